@@ -23,8 +23,8 @@ inline constexpr std::size_t maximum_items = std::size_t{1} << 18;  // groups, a
 inline constexpr std::size_t maximum_name = 63;                     // as in Fortran
 
 // Groups that may stand several times in one input, unlike others: what a further one gives of its lists goes behind
-// the elements that those before it gave.
-inline constexpr std::array<std::string_view, 1> repeated_groups{"region"};
+// the elements that those before it gave. Where such a group has no lists, it stands once (schema.cpp).
+inline constexpr std::array<std::string_view, 2> repeated_groups{"region", "material"};
 
 struct value {
   enum class kind {

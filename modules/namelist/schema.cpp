@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <foundation/error.hpp>
 #include <functional>
+#include <limits>
 #include <map>
 #include <namelist/schema.hpp>
 #include <namelist/text.hpp>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -97,7 +97,7 @@ T convert(const context& c, const value& v, std::optional<T>*) {
 }
 
 template <class T>
-void assign(const context& c, T& to, std::vector<bool>&) {
+void assign(const context& c, T& to, key&) {
   if (c.from.index) c.fail(nullptr, "takes a single value: no subscript is possible");
   for (std::size_t k = 0; k < c.from.values.size(); ++k) {
     const value& v = c.from.values[k];
@@ -138,6 +138,10 @@ T absent(const context&) {
   return {};
 }
 template <>
+double absent(const context& c) {
+  return c.to.info.may_be_left_open ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+}
+template <>
 std::string absent(const context& c) {
   return c.to.info.choices.empty() ? "" : c.to.info.choices.front();
 }
@@ -150,7 +154,7 @@ std::uint64_t size_of(const assignment& from) {
 }
 
 template <class T>
-void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
+void assign(const context& c, std::vector<T>& to, key& of) {
   const elements e = addressed(c);
   const auto room = static_cast<std::uint64_t>((e.last - e.first) / e.stride + 1);
   std::uint64_t used = 0;
@@ -167,10 +171,12 @@ void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
       const auto at = static_cast<std::size_t>(c.behind + e.first + static_cast<std::int64_t>(used) * e.stride - 1);
       if (at >= to.size()) {
         to.resize(at + 1, absent<T>(c));
-        filled.resize(at + 1, c.to.info.sparse);
+        of.filled.resize(at + 1, c.to.info.sparse);
       }
       to[at] = content;
-      filled[at] = true;
+      of.filled[at] = true;
+      if (at >= of.origins.size()) of.origins.resize(at + 1);
+      of.origins[at] = c.input.where(c.from, v);
     }
   }
 }
@@ -194,6 +200,10 @@ std::int64_t length_of(const key_group& g) {
   std::size_t most = 0;
   for (const key& k : g.keys) most = std::max(most, std::visit([](auto* to) { return array_size(*to); }, k.bound));
   return static_cast<std::int64_t>(most);
+}
+
+bool has_lists(const key_group& g) {
+  return std::ranges::any_of(g.keys, [](const key& k) { return k.type_name().starts_with("list"); });
 }
 
 // What --set gives a whole array takes the place of all that the file says of it, also where it is shorter. Of each
@@ -338,10 +348,11 @@ void schema::read(const document& input) {
     for (key& k : g.keys) {
       k.origin = "default";
       k.given_in.clear();
+      k.origins.clear();
       k.filled.assign(std::visit([](auto* to) { return array_size(*to); }, k.bound), true);
       shortenings[&k] = std::visit([](auto* to) { return shortened(to); }, k.bound);
     }
-  std::set<std::string> begun;  // groups
+  std::map<std::string, std::size_t> begun;  // groups, and their first lines
   for (const namelist::group& from : input.groups()) {
     const auto g = find_name(groups_, from.name);
     if (g == groups_.end() && std::ranges::find(passed_over_, from.name) != passed_over_.end()) continue;
@@ -351,7 +362,11 @@ void schema::read(const document& input) {
           in_file ? fmt::format("{}:{}", input.name(), from.line) : input.where(from.assignments.front()), from.name,
           groups_);
     }
-    const std::int64_t behind = begun.insert(g->name).second ? 0 : length_of(*g);
+    const auto [earlier, first] = begun.emplace(g->name, from.line);
+    if (!first && from.line > 0 && !has_lists(*g))
+      foundation::fail_input(fmt::format("{}:{}: group &{} was given before, in line {}", input.name(), from.line,
+                                         g->name, earlier->second));
+    const std::int64_t behind = first ? 0 : length_of(*g);
     for (const assignment& a : from.assignments) {
       key* const k = find_key(groups_, g->name, a.key);
       if (!k && std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
@@ -364,7 +379,7 @@ void schema::read(const document& input) {
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
       const context c{input, a, g->name, *k, a.set.empty() ? behind : 0};
       shorten(*k, shortenings[k], a);
-      std::visit([&](auto* to) { assign(c, *to, k->filled); }, k->bound);
+      std::visit([&](auto* to) { assign(c, *to, *k); }, k->bound);
       const auto written =
           std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });
       if (written == a.values.end()) continue;
@@ -420,10 +435,24 @@ std::vector<named_file> schema::files() const {
   return all;
 }
 
+namespace {
+
+[[noreturn]] void fail_from(const std::string& origin, const key& k, const std::string& message) {
+  foundation::fail_input(fmt::format("{}: &{} {}: {}", origin == "default" ? "default value" : origin,
+                                     k.info.expert ? expert_group : k.declared_in, k.name, message));
+}
+
+}  // namespace
+
 void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {
   const key& k = find(group, name);
-  foundation::fail_input(fmt::format("{}: &{} {}: {}", k.origin == "default" ? "default value" : k.origin,
-                                     k.info.expert ? expert_group : k.declared_in, k.name, message));
+  fail_from(k.origin, k, message);
+}
+
+void schema::fail_at(const std::string& group, const std::string& name, std::size_t n,
+                     const std::string& message) const {
+  const key& k = find(group, name);
+  fail_from(n < k.origins.size() && !k.origins[n].empty() ? k.origins[n] : k.origin, k, message);
 }
 
 }  // namespace tetsuame::namelist

@@ -43,6 +43,7 @@ struct key_info {
   // Of an array: elements that are not given before the last one are zero, empty, or the first of the choices, and no
   // error.
   bool sparse = false;
+  bool may_be_left_open = false;  // of a sparse array of reals: such an element is not a number, and not zero
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
@@ -87,10 +88,11 @@ struct key {
   std::string older = {};                // an older name there; empty: none
   target bound;
   key_info info;
-  std::string default_text;        // as in a namelist; empty: none
-  std::string origin = "default";  // "file:line", "--set group.key=value"
-  std::string given_in;            // the group, of its own or &expert
-  std::vector<bool> filled;        // array: which elements have a value
+  std::string default_text;          // as in a namelist; empty: none
+  std::string origin = "default";    // "file:line", "--set group.key=value"
+  std::string given_in;              // the group, of its own or &expert
+  std::vector<bool> filled;          // array: which elements have a value
+  std::vector<std::string> origins;  // and where each came from; empty, or shorter: `origin`
 
   std::string type_name() const;  // "integer", "list of reals", …
   std::string limits() const;     // "> 0", "in (0, 1]", "one of 'a', 'b'"; empty: none
@@ -157,6 +159,9 @@ class schema {
   std::vector<named_file> files() const;
   // For checks that span keys: an error placed at this key, exit status 2.
   [[noreturn]] void fail(const std::string& group, const std::string& key, const std::string& message) const;
+  // Of element n of a list, from 0: placed where that is given.
+  [[noreturn]] void fail_at(const std::string& group, const std::string& key, std::size_t n,
+                            const std::string& message) const;
   // work() on what the input says, before anything else has begun: what it fails at, where the input is not known, is
   // placed at this key.
   template <class Work>

@@ -20,6 +20,14 @@ std::string element(const std::optional<T>& content) {
   return content ? element(*content) : "";
 }
 
+// An element that is left open is the null value 1*, which counts at the beginning of a list too.
+std::string element(const std::vector<double>& list) {
+  std::string result;
+  for (std::size_t k = 0; k < list.size(); ++k)
+    result += (k > 0 ? ", " : "") + (std::isfinite(list[k]) ? format_real(list[k]) : "1*");
+  return result;
+}
+
 template <class T>
 std::string element(const std::vector<T>& list) {
   std::string result;

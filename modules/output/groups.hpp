@@ -20,7 +20,8 @@ struct column {
   std::string name, units, description;
   std::vector<const double*> components;
   bool vector = false;
-  bool integer = false;  // written as such
+  bool integer = false;    // written as such
+  std::string names = {};  // of what its values number, with ", " between; empty: none
 };
 
 // The part of a group that this rank holds. Type, and names and order of the columns,

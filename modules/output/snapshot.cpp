@@ -88,6 +88,7 @@ void add_group(const particle_group& group, std::uint64_t rows, const snapshot_f
     if (width_of(c) > 1) shape.push_back(width_of(c));
     contents.datasets.push_back(
         {folder + "/" + c.name, type_of(c, form), shape, {{"units", c.units}, {"description", c.description}}});
+    if (!c.names.empty()) contents.datasets.back().attributes.emplace_back("names", c.names);
     if (c.name == "SmoothingLength") contents.datasets.back().attributes.emplace_back("KernelSupport", kernel_support);
   }
   const bool fits = rows <= std::numeric_limits<std::int32_t>::max();

@@ -211,4 +211,17 @@ std::vector<double> snapshot_file::plain(const std::string& name) const {
   return file_.reals(std::string(fluid) + "/" + name);
 }
 
+std::vector<std::string> snapshot_file::names_of(const std::string& name) const {
+  const auto read = file_.attribute(std::string(fluid) + "/" + name, "names");
+  std::string rest = read ? read->text.value_or("") : "";
+  std::vector<std::string> all;
+  constexpr std::string_view between = ", ";
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find(between), rest.size());
+    all.push_back(rest.substr(0, end));
+    rest.erase(0, end + between.size());
+  }
+  return all;
+}
+
 }  // namespace tetsuame::output

@@ -42,6 +42,8 @@ class snapshot_file {
   std::optional<double> mass_of_all(int dimension) const;
   stored_file::integers identities() const;
   std::vector<double> plain(const std::string& name) const;  // without a unit
+  // What the values of a field of the fluid number, by its attribute `names`; empty: it has none.
+  std::vector<std::string> names_of(const std::string& name) const;
 
   [[noreturn]] void fail(const std::string& what) const;  // bad input: what of the file
   // Fails where a field of the fluid that is there is not one of numbers, with a row for each particle.

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <regions/options.hpp>
 
@@ -42,10 +45,13 @@ void declare(namelist::schema& schema, const abilities& of_problem, options& o) 
     std::vector<std::string> choices{""};
     choices.insert(choices.end(), of_problem.materials.begin(), of_problem.materials.end());
     schema.add("region", "material", o.material,
-               {.choices = choices,
+               {.choices = of_problem.more_materials ? std::vector<std::string>{} : choices,
                 .maximum_size = solids::most_pieces,
                 .sparse = true,
-                .meaning = "by name; empty: as it was"});
+                .meaning = (of_problem.more_materials ? fmt::format("'{}' or the name of a &material",
+                                                                    fmt::join(of_problem.materials, "', '"))
+                                                      : "by name") +
+                           "; empty: as it was"});
   }
   const auto add = [&](bool has, const char* key, std::vector<std::string>& to, const char* unit, const char* meaning) {
     if (has) schema.add("region", key, to, formula(unit, meaning));

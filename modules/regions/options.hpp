@@ -17,6 +17,7 @@ namespace tetsuame::regions {
 // What a problem takes of regions.
 struct abilities {
   std::vector<std::string> materials = {};  // by name; none: there is but one
+  bool more_materials = false;              // the input names further ones, known once it is read
   bool temperature = false, velocity = false, density = false, pressure = false, energy = false;
   bool above_0 = true;  // temperatures, which count from where they may
 };

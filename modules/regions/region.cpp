@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <namelist/text.hpp>
 #include <regions/region.hpp>
 
 namespace tetsuame::regions {
@@ -58,6 +59,20 @@ std::string place_of(const namelist::schema& schema, const abilities& of_problem
   return schema.where("region", "shape");
 }
 
+// Of the material that piece n names.
+std::int32_t number_of(const namelist::schema& schema, const abilities& of_problem, const std::string& name,
+                       std::size_t n) {
+  const auto& known = of_problem.materials;
+  const auto found = std::ranges::find(known, namelist::lower(name), [](const auto& k) { return namelist::lower(k); });
+  if (found == known.end())
+    schema.fail_at(
+        "region", "material", n,
+        fmt::format("there is no material {}; expected one of '{}', or a further &material; the nearest is {}",
+                    namelist::quote(namelist::excerpt(name)), fmt::join(known, "', '"),
+                    namelist::quote(namelist::nearest(name, known))));
+  return static_cast<std::int32_t>(found - known.begin());
+}
+
 // Pieces without a name are regions by themselves; the others' lists are made as long.
 void complete(options& o) {
   const std::size_t n = o.pieces_given();
@@ -109,9 +124,7 @@ all::all(const namelist::schema& schema, const abilities& of_problem, options o,
       });
     };
     if (const auto text = of(o.condition, n); !text.empty()) r.conditions.push_back(read("condition", text));
-    if (const auto name = of(o.material, n); !name.empty())
-      r.material =
-          static_cast<std::int32_t>(std::ranges::find(of_problem.materials, name) - of_problem.materials.begin());
+    if (const auto name = of(o.material, n); !name.empty()) r.material = number_of(schema, of_problem, name, n);
     for (std::size_t k = 0; k < lists.size(); ++k) {
       const auto text = of(*lists[k], n);
       if (text.empty()) continue;
@@ -125,8 +138,8 @@ all::all(const namelist::schema& schema, const abilities& of_problem, options o,
       schema.fail("region", "shape", fmt::format("'{}' says nothing of what is there", r.name));
 }
 
-bool all::give_material() const {
-  return std::ranges::any_of(regions_, [](const region& r) { return r.material.has_value(); });
+bool all::give_material(std::int32_t material) const {
+  return std::ranges::any_of(regions_, [&](const region& r) { return r.material == material; });
 }
 bool all::give(what w) const {
   return std::ranges::any_of(regions_,

@@ -40,7 +40,7 @@ class all {
   bool any() const { return !regions_.empty(); }
   std::size_t size() const { return regions_.size(); }
   const std::string& name(std::size_t n) const { return regions_[n].name; }
-  bool give_material() const;
+  bool give_material(std::int32_t material) const;
   bool give(what w) const;
 
   // T: K, there before. Counts a place for each region that it lies in. Fails, with bad_input, where a value is none:

@@ -270,16 +270,31 @@ void start_file::check_neighbours(const std::vector<double>& places, const std::
   }
 }
 
-std::vector<std::int32_t> start_file::materials(std::int32_t number) const {
+std::vector<std::int32_t> start_file::materials(std::int32_t number, const std::vector<std::string>& names,
+                                                std::int32_t own) const {
   std::vector<std::int32_t> all(row_.size(), 0);
   if (number == 1 && !file_.find("Material")) return all;
   file_.expect_sound("Material");
   columns_of("Material");
   const auto values = file_.plain("Material");
+  const auto called = names.empty() ? std::vector<std::string>{} : file_.names_of("Material");
   for (std::size_t n = 0; n < all.size(); ++n) {
     const double m = values[row_[n]];
-    if (!(m >= 0.0 && m < number && m == std::floor(m)))
-      fail_at(n, fmt::format("its Material is {}: expected {}", m, number == 1 ? "0" : "0 or 1"));
+    const bool is_number = m >= 0.0 && m == std::floor(m);
+    if (is_number && m < static_cast<double>(called.size())) {
+      const auto& name = called[static_cast<std::size_t>(m)];
+      if (const auto known = std::ranges::find(names, name); known != names.end()) {
+        all[n] = static_cast<std::int32_t>(known - names.begin());
+        continue;
+      }
+      if (m >= own)
+        fail_at(n, fmt::format("its Material {} is '{}', and the input has '{}'", m, name, fmt::join(names, "', '")));
+    }
+    if (!is_number || m >= number)
+      fail_at(n, fmt::format("its Material is {}: expected {}", m,
+                             number == 1   ? "0"
+                             : number == 2 ? "0 or 1"
+                                           : fmt::format("0 to {} ('{}')", number - 1, fmt::join(names, "', '"))));
     all[n] = static_cast<std::int32_t>(m);
   }
   return all;

@@ -38,9 +38,12 @@ class start_file {
   std::vector<double> masses() const;      // kg (2-D: kg/m), above 0
   // K. A body that only conducts has a temperature but for a constant, so that it may be below 0.
   std::vector<double> temperatures(bool above_0) const;
-  std::vector<double> energies() const;                            // J/kg, internal
-  std::vector<double> pressures() const;                           // Pa
-  std::vector<std::int32_t> materials(std::int32_t number) const;  // of so many; of one, the file may have none
+  std::vector<double> energies() const;   // J/kg, internal
+  std::vector<double> pressures() const;  // Pa
+  // Of so many; of one, the file may have none. names: of each; what the file calls otherwise, or has not named, is
+  // known by its number, one of `own`, which the problem has by itself.
+  std::vector<std::int32_t> materials(std::int32_t number, const std::vector<std::string>& names = {},
+                                      std::int32_t own = 2) const;
   // Bad input where a particle moves, of a start that is to be settled.
   void expect_at_rest(const std::vector<double>& velocities) const;
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <eos/eos.hpp>
 #include <functional>
@@ -15,9 +16,10 @@ namespace tetsuame::run {
 // What of the particles is taken from the file beside their places and temperature, and what they are held against.
 struct taken_from_file {
   bool motion = true;                           // velocity, density, mass
-  std::int32_t materials = 1;                   // how many there are
+  std::vector<std::string> materials{};         // names; none: there is but one
   std::array<double, 2> pressures{};            // Pa, the lowest and the highest of the box at rest
   std::function<double(std::size_t)> volume{};  // m^D, of a particle of that material on the start lattice
+  std::int32_t number_of_materials() const { return std::max(1, static_cast<std::int32_t>(materials.size())); }
 };
 
 namespace detail {
@@ -53,7 +55,7 @@ std::array<double, 2> densities_of(const start_file& file, const Box& box, std::
 template <int D>
 void check_matter(const start_file& file, const state<D>& box, const taken_from_file& taken, const matter& of,
                   const std::vector<double>& places) {
-  for (std::int32_t n = 0; n < taken.materials; ++n) {
+  for (std::int32_t n = 0; n < taken.number_of_materials(); ++n) {
     std::array T{std::numeric_limits<double>::infinity(), 0.0};
     for (std::size_t i = 0; i < of.T.size(); ++i)
       if (of.material[i] == n) T = {std::min(T[0], of.T[i]), std::max(T[1], of.T[i])};
@@ -136,7 +138,8 @@ start_read start_from_file(const start_options& o, const taken_from_file& taken,
   auto& s = box.w.s;
   std::vector<std::string> fields{"Coordinates", "Temperature"};
   if (taken.motion) fields.insert(fields.end(), {"Velocities", "Density", "Masses"});
-  if (taken.materials > 1) fields.emplace_back("Material");
+  const std::int32_t materials = taken.number_of_materials();
+  if (materials > 1) fields.emplace_back("Material");
   const start_file file(o, start_box_of(box.w), fields);
   const auto x = file.places();
   const std::size_t all = file.particles();
@@ -147,7 +150,7 @@ start_read start_from_file(const start_options& o, const taken_from_file& taken,
     for (std::size_t i = 0; i < s.fluid; ++i) to[i] = values[components * number(i) + a];
   };
   for (std::size_t a = 0; a < D; ++a) give(s.x[a], x, D, a);
-  detail::matter of{file.temperatures(taken.motion), {}, {}, file.materials(taken.materials)};
+  detail::matter of{file.temperatures(taken.motion), {}, {}, file.materials(materials, taken.materials)};
   give(s.T, of.T, 1, 0);
   give(s.material, of.material, 1, 0);
   const start_read read{!laid_anew && file.is_of_this_program(), laid_anew};

@@ -288,3 +288,42 @@ BOOST_AUTO_TEST_CASE(files_that_are_named) {
   BOOST_TEST(files[0].path == &one);
   BOOST_TEST((files[0].what == namelist::file_of::run && files[1].what == namelist::file_of::start));
 }
+
+// An element that is left open is neither 0 nor an error, reads back as written, and is placed at what was given.
+BOOST_AUTO_TEST_CASE(lists_with_elements_left_open) {
+  std::vector<std::string> names;
+  std::vector<double> densities;
+  namelist::schema s;
+  s.group("material", "");
+  s.add("material", "name", names, {.sparse = true});
+  s.add("material", "density", densities,
+        {.minimum = 0.0, .exclusive_minimum = true, .sparse = true, .may_be_left_open = true});
+  s.read(namelist::parse_text("&material name = 'a' /\n&material name = 'b'\n density = 2 /\n&material name = 'c' /\n",
+                              "f"));
+  BOOST_TEST((names == std::vector<std::string>{"a", "b", "c"}));
+  BOOST_TEST_REQUIRE(densities.size() == 2U);
+  BOOST_TEST(std::isnan(densities[0]));
+  BOOST_TEST(densities[1] == 2.0);
+  BOOST_TEST(message([&] { s.fail_at("material", "name", 0, "no"); }) == "f:1: &material name: no");
+  BOOST_TEST(message([&] { s.fail_at("material", "density", 1, "no"); }) == "f:3: &material density: no");
+  std::ostringstream written;
+  s.write_resolved(written);
+  BOOST_TEST(written.str().find("density = 1*, 2") != std::string::npos);
+  densities.clear();
+  names.clear();
+  s.read(namelist::parse_text(written.str(), "f"));
+  std::ostringstream again;
+  s.write_resolved(again);
+  BOOST_TEST(again.str() == written.str());
+}
+
+// The same name stands once where its group has no lists.
+BOOST_AUTO_TEST_CASE(a_group_without_lists_stands_once) {
+  double viscosity = 1.0;
+  namelist::schema s;
+  s.group("material", "");
+  s.add("material", "viscosity", viscosity);
+  const auto read = [&](const std::string& text) { return message([&] { s.read(namelist::parse_text(text, "f")); }); };
+  BOOST_TEST(read("&material viscosity = 2 /\n&material /\n") == "f:2: group &material was given before, in line 1");
+  BOOST_TEST(read("&material viscosity = 2 /\n") == "no error");
+}

@@ -155,3 +155,26 @@ BOOST_AUTO_TEST_CASE(what_is_refused) {
     return std::string(e.what()).find("no particle of the start lies in it") != std::string::npos;
   });
 }
+
+// Further materials of the input are known once it is read.
+BOOST_AUTO_TEST_CASE(materials_of_the_input) {
+  auto of_input = liquids;
+  of_input.more_materials = true;
+  options o;
+  namelist::schema schema;
+  declare(schema, of_input, o);
+  schema.read(namelist::parse_text("&region material = 'lower' /\n&region material = 'Crust' /\n", "start.nml"));
+  const auto made = [&] { return all(schema, of_input, o, 2, {4.0, 2.0, 0.0}, 0.1); };
+  try {
+    made();
+    BOOST_ERROR("a material that nobody knows");
+  } catch (const foundation::error& e) {
+    const std::string what = e.what();
+    BOOST_TEST(what.starts_with("start.nml:2: &region material"));
+    BOOST_TEST(what.find("no material 'Crust'") != std::string::npos);
+  }
+  of_input.materials.emplace_back("crust");
+  const auto regions = made();
+  BOOST_TEST(regions.give_material(2));
+  BOOST_TEST(!regions.give_material(1));
+}

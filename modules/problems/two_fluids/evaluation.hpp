@@ -18,12 +18,11 @@ namespace tetsuame::two_fluids {
 template <int D>
 void find_phase(fluids<D>& f, std::size_t i) {
   auto& s = f.world.w.s;
-  const auto& law = f.o.melting;
+  const auto& law = f.melting_of(i);
   const auto here = contents(f, i, s.p_eos[i]).at(f.content[i]);
   s.T[i] = here.temperature;
-  f.melt[i] = f.is_metal(i) || !f.melts ? 0.0 : here.melt_fraction;
+  f.melt[i] = law.curve == "none" ? 0.0 : here.melt_fraction;
   f.inertia[i] = 1.0;
-  if (f.is_metal(i)) return;
   if (law.viscosity_law != "constant") s.eta[i] = viscosity_by_melt(law, s.T[i], f.melt[i]);
   if (const double x = law.inertia_viscosity; x > 0.0) f.inertia[i] = std::max(1.0, s.eta[i] / x);
 }

@@ -35,19 +35,21 @@ class fluids {
   bool weighed = false;                            // Y is
   const bool smoothed = o.scheme.pressure == "smoothed", follows = o.scheme.supports == "volume";
   const bool warms = o.temperature_law == "adiabatic", enthalpy = o.temperature_law == "enthalpy";
-  const bool melts = o.melting.curve != "none", dissolved = o.element.name != "none", tense = o.surface_tension > 0.0;
+  const bool dissolved = o.element.name != "none", tense = o.surface_tension > 0.0;
 
   double h = 0.0;                                       // m
   double reference_floor = 0.0, reference_slope = 0.0;  // Pa, Pa/m
   // kg/m3, of each material the least and the largest density at the pressures of the start.
-  std::array<std::pair<double, double>, 2> density_range;
+  std::vector<std::pair<double, double>> density_range = std::vector<std::pair<double, double>>(o.material.size());
   viscous_weights viscous;
   bool second_order = false;  // in the place of the viscous order that was asked for
 
   // Slowed sound and inertia (slowing.hpp).
   const bool slows = o.slowing.zeta > 1.0;
   const double stiffness = 1.0 / (o.slowing.zeta * o.slowing.zeta);  // 1/ζ²
-  const std::array<double, 2> xi2{o.slowing.xi_n(0) * o.slowing.xi_n(0), o.slowing.xi_n(1) * o.slowing.xi_n(1)};
+  const std::vector<double> xi2 =
+      of_materials<double>([this](std::size_t n) { return o.slowing.xi_n(n) * o.slowing.xi_n(n); });
+  const std::vector<char> metals = of_materials<char>([this](std::size_t n) { return o.material[n].metal ? 1 : 0; });
 
   // What particles carry beside the usual, where the run has it.
   particles::array& dissipated = field(true, "Dissipated", "J/kg", role::integrated);  // heat of friction
@@ -96,15 +98,17 @@ class fluids {
   fluids& operator=(const fluids&) = delete;
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }
-  bool is_metal(std::size_t i) const { return world.w.s.material[i] == 1; }
+  std::size_t material_of(std::size_t i) const { return static_cast<std::size_t>(world.w.s.material[i]); }
+  bool is_metal(std::size_t i) const { return metals[material_of(i)] != 0; }
+  const melting_options& melting_of(std::size_t i) const { return p.melting[material_of(i)]; }
   bool isothermal() const { return !warms && !enthalpy; }
   bool is_drop() const { return kind == problem_kind::drop; }
   bool many() const { return is_drop() && p.places.size() > 1; }
   double number_of_drops() const { return static_cast<double>(p.places.size()); }
   double inertia_of(std::size_t i) const {  // ξ²
-    return xi2[static_cast<std::size_t>(world.w.s.material[i])] * (enthalpy ? inertia[i] : 1.0);
+    return xi2[material_of(i)] * (enthalpy ? inertia[i] : 1.0);
   }
-  double latent(std::size_t i) const { return melts && !is_metal(i) ? o.melting.latent_heat : 0.0; }
+  double latent(std::size_t i) const { return melting_of(i).latent_heat; }  // J/kg
   double speed2(std::size_t i) const {
     double v2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) v2 += world.w.s.v[a][i] * world.w.s.v[a][i];
@@ -117,6 +121,12 @@ class fluids {
   bool fourth_order() const { return o.scheme.viscous_order == 4 && !second_order; }
 
  private:
+  template <class T, class Of>
+  std::vector<T> of_materials(const Of& value) const {
+    std::vector<T> all;
+    for (std::size_t n = 0; n < o.material.size(); ++n) all.push_back(value(n));
+    return all;
+  }
   particles::array& field(bool needed, const char* name, const char* unit_of, role kind_of = role::derived) {
     return particles::declare_if(needed, world.w.s, name, unit_of, kind_of);
   }
@@ -137,9 +147,10 @@ place on_curve(const fluids<D>& f, std::size_t n, double pressure) {
 
 template <int D>
 melting::heat_content contents(const fluids<D>& f, std::size_t i, double p) {
-  if (!f.melts || f.is_metal(i)) return {f.world.w.s.c_V[i], 0.0};
-  const auto [T_s, T_l] = melting_range(f.o.melting, p);
-  return {f.world.w.s.c_V[i], f.o.melting.latent_heat, T_s, T_l};
+  const auto& law = f.melting_of(i);
+  if (law.curve == "none") return {f.world.w.s.c_V[i], 0.0};
+  const auto [T_s, T_l] = melting_range(law, p);
+  return {f.world.w.s.c_V[i], law.latent_heat, T_s, T_l};
 }
 
 // m^2D, what the pressure has in the forces: A of terms.hpp over p.

@@ -42,6 +42,13 @@ eos::any make(const options& o, std::size_t n);
 void choose_scheme(const namelist::schema& schema, const char* group, options& o, parameters& p);
 void find_elasticity(const options& o, parameters& p);
 
+// materials.cpp: those of &material
+void declare(namelist::schema& schema, more_materials& m);
+void read_materials(const namelist::schema& schema, problem_kind kind, options& o);
+void make_more_materials(const namelist::schema& schema, const options& o, parameters& p);
+std::vector<melting_options> melting_by_material(const options& o);
+void expect_places(const namelist::schema& schema, const options& o, const parameters& p);
+
 // heat.cpp: heat content, melting, the element
 void declare(namelist::schema& schema, melting_options& o);
 void declare(namelist::schema& schema, element_options& o);
@@ -63,7 +70,7 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p);
 void resolve_bodies(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p);
 
 // regions.cpp
-regions::abilities regions_of(problem_kind kind);
+regions::abilities regions_of(problem_kind kind, const options& o);
 void resolve_regions(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p);
 void check_settling(const namelist::schema& schema, problem_kind kind, const options& o, const parameters& p);
 

@@ -66,14 +66,14 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
   const auto names = names_of(kind);
   auto& m = o.melting;
   const bool enthalpy = o.temperature_law == "enthalpy";
-  for (const std::size_t n : {0, 1}) {
+  for (const std::size_t n : {0, 1}) {  // those of &material: materials.cpp
     const std::string key = std::string("temperature_") + names[n];
-    if (!enthalpy && o.start_heat[n]) schema.fail(group, key, "belongs to temperature_law = 'enthalpy'");
+    if (!enthalpy && o.material[n].temperature) schema.fail(group, key, "belongs to temperature_law = 'enthalpy'");
     if (enthalpy && o.material[n].eos != "linear")
       schema.fail(group, std::string("eos_") + names[n],
                   "with temperature_law = 'enthalpy' pressure must not depend on temperature: 'linear' only");
-    p.temperature[n] = o.start_heat[n].value_or(o.temperature);
   }
+  for (const auto& of : o.material) p.temperature.push_back(of.temperature.value_or(o.temperature));
   p.cover_temperature = o.cover_temperature.value_or(o.temperature);
   if (!enthalpy && (o.pond_top || o.cover_temperature))
     schema.fail(group, o.pond_top ? "pond_top" : "cover_temperature", "belongs to temperature_law = 'enthalpy'");
@@ -106,7 +106,7 @@ void find_melt(const options& o, parameters& p) {
     foundation::fail_input(fmt::format(
         "the fits for the mantle are none at {:.4g} Pa, the interface's pressure: solidus {:.6g} K, liquidus {:.6g} K",
         pressure, T_s, T_l));
-  if (o.pond_top || !(o.conductivity_of(0) > 0.0 && o.conductivity_of(1) > 0.0)) return;
+  if (o.pond_top || o.material.size() > 2 || !(o.conductivity_of(0) > 0.0 && o.conductivity_of(1) > 0.0)) return;
   if (!(p.temperature[1] > p.temperature[0] && p.temperature[0] <= T_s)) return;
   const auto side = [&](std::size_t n) {
     const double y = p.interface * (n == 0 ? 1.0 - 1e-12 : 1.0);

@@ -19,6 +19,11 @@ struct energies {
   double kinetic = 0.0, potential = 0.0, elastic = 0.0, dissipated = 0.0, thermal = 0.0, surface = 0.0;  // J (2-D: J/m)
 };
 
+// Of one material.
+struct amount {
+  double mass = 0.0, centroid = 0.0;  // kg (2-D: kg/m); the height's, of the box's
+};
+
 struct measures : totals, energies {
   // Of the last line.
   double time = 0.0, mode = 0.0, centroid = 0.0, fall = 0.0;                   // s, m, m, m/s
@@ -31,6 +36,8 @@ struct measures : totals, energies {
   double element = 0.0, in_metal = 0.0, partition = 0.0, equilibration = 0.0;  // kg (2-D: kg/m); of the metal; 0 to 1
   double heat = 0.0;                                                           // J (2-D: J/m), gained
   double heat_residual = 0.0, melt_fraction = 0.0, metal_depth = 0.0, metal_below = 0.0;  // 1, 1, m, 1
+
+  std::vector<amount> further;  // of each &material
 
   // Of the first.
   double energy_start = 0.0, mass_start = 0.0, element_start = 0.0;
@@ -97,7 +104,7 @@ totals find_totals(const fluids<D>& f) {
 template <int D>
 double elastic_energy(const fluids<D>& f, std::size_t i, double to) {
   const auto& s = f.world.w.s;
-  const auto& material = f.world.w.materials[static_cast<std::size_t>(s.material[i])];
+  const auto& material = f.world.w.materials[f.material_of(i)];
   constexpr std::array<double, 4> x{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
   constexpr std::array<double, 4> weight{0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                          0.3478548451374538};
@@ -189,10 +196,10 @@ void follow_motion(measures& m, const fluids<D>& f) {
   m.density_excess = 0.0;
   const auto [squares] = liquid::exact_sums<1>(f.world, [&](std::size_t i, const auto& add) {
     const double v2 = f.speed2(i), ratio = s.rho[i] / f.rho_start[i];
-    const double slow2 = f.xi2[static_cast<std::size_t>(s.material[i])] / f.stiffness;  // (ζξ)², of the input
+    const double slow2 = f.xi2[f.material_of(i)] / f.stiffness;  // (ζξ)², of the input
     add(s.m[i] / s.rho[i] * v2);
     fastest2 = std::max(fastest2, slow2 * (v2 / (s.c[i] * s.c[i])));
-    const auto& [least, most] = f.density_range[static_cast<std::size_t>(s.material[i])];
+    const auto& [least, most] = f.density_range[f.material_of(i)];
     m.density_excess = std::max({m.density_excess, s.rho[i] / most, least / s.rho[i]});
     low = std::min(low, ratio);
     high = std::max(high, ratio);
@@ -238,6 +245,18 @@ void follow_metal(measures& m, const fluids<D>& f) {
   m.centroid = y / m.metal_mass;
   m.height = m.centroid / f.o.domain.length[1];
   m.fall = v / m.metal_volume;
+}
+
+template <int D>
+void follow_materials(measures& m, const fluids<D>& f) {
+  const auto& s = f.world.w.s;
+  m.further.clear();
+  for (std::size_t n = 2; n < f.o.material.size(); ++n) {
+    const auto [mass, y] = liquid::exact_sums<2>(f.world, [&](std::size_t i, const auto& add) {
+      if (f.material_of(i) == n) add(s.m[i], s.m[i] * s.x[1][i]);
+    });
+    m.further.push_back({mass, y / mass / f.o.domain.length[1]});
+  }
 }
 
 // ---- drops ----------------------------------------------------------------------------------
@@ -354,7 +373,7 @@ void follow_heat(measures& m, const fluids<D>& f) {
           metal_low = std::min(metal_low, s.x[1][i]);
           add(gained, std::abs(gained), 0.0, 0.0, s.x[1][i] < f.p.interface ? s.m[i] : 0.0);
         } else {
-          add(gained, std::abs(gained), s.m[i] * f.melt[i], s.m[i]);
+          add(gained, std::abs(gained), s.m[i] * f.melt[i], f.o.material[f.material_of(i)].melts ? s.m[i] : 0.0);
         }
       });
   m.heat = gain;

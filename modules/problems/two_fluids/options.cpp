@@ -21,7 +21,8 @@ void check_domain(const namelist::schema& schema, options& o, parameters& p) {
 
 void make_materials(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p) {
   const char* group = group_of(kind);
-  p.material = std::make_unique<std::array<eos::any, 2>>();
+  p.material = std::make_unique<std::vector<eos::any>>(2);
+  p.material->reserve(o.material.size());  // others point to them
   for (const std::size_t n : {0, 1}) {
     const auto& m = o.material[n];
     const std::string which = names_of(kind)[n];
@@ -35,6 +36,7 @@ void make_materials(const namelist::schema& schema, problem_kind kind, const opt
     if (m.eos != "tillotson") refuse(schema, group, {"tillotson_" + which}, "is of eos_" + which + " = 'tillotson'");
     (*p.material)[n] = schema.placed(group, "eos_" + which, [&] { return make(o, n); });
   }
+  make_more_materials(schema, o, p);
 }
 
 // Heights of the contacts, on edges between rows, and the column at rest.
@@ -63,6 +65,16 @@ void find_layers(const namelist::schema& schema, problem_kind kind, options& o, 
     return std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity,
                                     o.pond_top ? std::optional(p.pond_top) : std::nullopt);
   });
+}
+
+[[noreturn]] void refuse_conduction(const namelist::schema& schema, problem_kind kind, const options& o) {
+  const std::string why = "there is nothing to conduct at one temperature";
+  if (o.conductivity > 0.0) schema.fail(group_of(kind), "conductivity", why);
+  for (std::size_t n = 0;; ++n)
+    if (o.conductivity_of(n) > 0.0) {
+      if (n > 1) schema.fail_at("material", "conductivity", n - 2, why);
+      schema.fail(group_of(kind), std::string("conductivity_") + names_of(kind)[n], why);
+    }
 }
 
 }  // namespace
@@ -106,7 +118,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
                           "between the two materials; walls are neutral (90 degrees). Pairs are in double precision "
                           "then, unless &kernel precision is given"));
   for (const std::size_t n : {1, 0})
-    schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
+    schema.add(group, std::string("temperature_") + names[n], o.material[n].temperature,
                for_expert(positive("K", "at the start, enthalpy law; not given: temperature")));
   if (kind == problem_kind::drop)
     declare_drops(schema, group, o);
@@ -118,6 +130,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   else
     declare(schema, group, o.scheme);
   declare(schema, kind, o.slowing);
+  declare(schema, o.more);
   declare(schema, o.melting);
   declare(schema, o.element);
   o.walls.slip = "free_slip";
@@ -130,7 +143,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "lid", "slip_top");
   schema.also_known("walls", "sides", "slip");
   solids::declare(schema, o.solids);
-  regions::declare(schema, regions_of(kind), o.regions);
+  regions::declare(schema, regions_of(kind, o), o.regions);
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
     volume::declare(schema, o.liquid);
@@ -156,19 +169,16 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
                     kernel.h_over_dx, run::support_over_dx(kernel), own));
   check_domain(schema, o, p);
   run::check_output(schema, o.common, o.domain, fields);
+  read_materials(schema, kind, o);
   find_heat(schema, kind, o, p);
+  p.melting = melting_by_material(o);
   choose_scheme(schema, group, o, p);
   check_slowing(schema, kind, o);
   check_element(schema, o.element);
   find_elasticity(o, p);
   if (!o.common.start.file.empty() && o.element.name != "none")
     schema.fail("initial", "file", "the concentrations of &element are not read from a snapshot");
-  if (o.conducts() && o.temperature_law == "isothermal")
-    schema.fail(group,
-                o.conductivity > 0.0
-                    ? "conductivity"
-                    : std::string("conductivity_") + names_of(kind)[o.conductivity_of(0) > 0.0 ? 0 : 1],
-                "there is nothing to conduct at one temperature");
+  if (o.conducts() && o.temperature_law == "isothermal") refuse_conduction(schema, kind, o);
   make_materials(schema, kind, o, p);
   find_layers(schema, kind, o, p);
   if (kind == problem_kind::rayleigh_taylor) {
@@ -183,6 +193,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   }
   resolve_bodies(schema, kind, o, p);
   resolve_regions(schema, kind, o, p);
+  expect_places(schema, o, p);
   check_settling(schema, kind, o, p);
   return p;
 }

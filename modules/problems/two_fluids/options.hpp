@@ -1,6 +1,7 @@
 // The input of two fluids under gravity, of programs rti and drop:
 //   &domain   domain/options.hpp
-//   &rti or &drop   shape, materials, start, formulation
+//   &rti or &drop   shape, its two materials, start, formulation
+//   &material each further one
 //   &walls    walls/options.hpp; pressure
 //   &solids   bodies of any shape that stand still (solids/options.hpp)
 //   &region, &constants   what the start is somewhere (regions/options.hpp)
@@ -9,6 +10,7 @@
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
+#include <deque>
 #include <eos/eos.hpp>
 #include <melting/melting.hpp>
 #include <memory>
@@ -25,6 +27,7 @@ namespace tetsuame::two_fluids {
 enum class problem_kind { rayleigh_taylor, drop };
 
 struct material_options {
+  std::string name{};  // lower, upper; outside, drop; those of &material
   std::string eos = "linear";
   std::string table = "";               // of eos = 'table': its file
   double density = 7000.0;              // kg/m3, linear: at zero pressure
@@ -33,6 +36,17 @@ struct material_options {
   std::optional<double> heat_capacity;  // J/(kg K); not given: the equation of state's own
   std::optional<double> conductivity;   // W/(m K); not given: the common one
   eos::material_options parameters;     // of the equation of state: those that have no key above
+  std::optional<double> temperature{};  // K, at the start, law 'enthalpy'; not given: the common one
+  bool metal = false;                   // or silicate
+  bool melts = false;                   // by &melting, but for what is given here:
+  std::optional<double> solidus{}, liquidus{}, latent_heat{};  // K, K, J/kg
+};
+
+// Group &material: an element of each list for each material; a number that is not finite is not given.
+struct more_materials {
+  std::vector<std::string> name, eos, curve, tillotson, table, metal, melts;
+  std::vector<double> density, viscosity, conductivity, temperature, solidus, liquidus, latent_heat;
+  std::array<std::vector<double>, eos::parameters.size()> parameters;
 };
 
 struct scheme_options {
@@ -48,7 +62,7 @@ struct scheme_options {
 struct slowing_options {
   double zeta = 1.0, xi = 1.0;
   std::array<std::optional<double>, 2> xi_of{};  // lower, upper; outside, drop
-  double xi_n(std::size_t n) const { return xi_of[n].value_or(xi); }
+  double xi_n(std::size_t n) const { return n < xi_of.size() ? xi_of[n].value_or(xi) : xi; }
   bool any() const { return zeta > 1.0 || xi_n(0) > 1.0 || xi_n(1) > 1.0; }
   double of_sound() const { return zeta * std::max(xi_n(0), xi_n(1)); }  // what it takes longer by
 };
@@ -78,15 +92,15 @@ struct options {
   walls::options walls;
   solids::options solids;
   regions::options regions;
-  std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
-  double bulk_modulus = 5e11;                // Pa
-  double gravity = 10.0;                     // m/s2
-  double p_top = 1e5;                        // Pa
-  double temperature = 3000.0;               // K, at the top
+  std::deque<material_options> material{2};  // lower, upper; of a drop: outside, drop; then those of &material
+  more_materials more;
+  double bulk_modulus = 5e11;   // Pa
+  double gravity = 10.0;        // m/s2
+  double p_top = 1e5;           // Pa
+  double temperature = 3000.0;  // K, at the top
   std::string temperature_law = "isothermal";
-  double conductivity = 0.0;                          // W/(m K), of both
-  double surface_tension = 0.0;                       // N/m, between the materials
-  std::array<std::optional<double>, 2> start_heat{};  // K, law 'enthalpy': lower, upper; outside, drop
+  double conductivity = 0.0;     // W/(m K), of both
+  double surface_tension = 0.0;  // N/m, between the materials
   melting_options melting;
   element_options element;
   // of rti
@@ -117,7 +131,21 @@ struct options {
 
   options() { material[0].density = 3000.0; }
   double conductivity_of(std::size_t n) const { return material[n].conductivity.value_or(conductivity); }
-  bool conducts() const { return conductivity_of(0) > 0.0 || conductivity_of(1) > 0.0; }
+  bool conducts() const {
+    for (std::size_t n = 0; n < material.size(); ++n)
+      if (conductivity_of(n) > 0.0) return true;
+    return false;
+  }
+  bool equally_viscous() const {
+    for (const auto& m : material)
+      if (m.viscosity != material[0].viscosity) return false;
+    return true;
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& m : material) all.push_back(m.name);
+    return all;
+  }
   bool has_bodies() const { return !solids.shape.empty(); }
   bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
 };
@@ -133,17 +161,18 @@ struct layer_lattice {
 // What a run computes with, SI.
 struct parameters {
   double dx;
-  double halo;                                        // m, what a particle, or a marker, reaches
-  std::unique_ptr<std::array<eos::any, 2>> material;  // lower or outside, upper or drop
-  double interface;                                   // m, on an edge between rows
-  std::array<layer_lattice, 2> layers;                // lower, upper; of equal masses each has its own spacing
-  std::unique_ptr<column> base;                       // the column at rest
-  std::array<double, 2> temperature{};                // K, at the start, law 'enthalpy'
-  double pond_top, cover_temperature;                 // m, K; pond_top is the lid where nothing covers the pond
-  std::optional<double> melt_conducted;               // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
-  double k_x = 0.0, k_z = 0.0;                        // 1/m
-  bool symmetric_stress;                              // viscous: with the transpose of the gradient (terms.hpp)
-  double spurious_modulus;                            // largest |mu/p| of the start lattice
+  double halo;                                      // m, what a particle, or a marker, reaches
+  std::unique_ptr<std::vector<eos::any>> material;  // lower or outside, upper or drop, those of &material
+  double interface;                                 // m, on an edge between rows
+  std::array<layer_lattice, 2> layers;              // lower, upper; of equal masses each has its own spacing
+  std::unique_ptr<column> base;                     // the column at rest
+  std::vector<double> temperature;                  // K, at the start, law 'enthalpy', of each material
+  std::vector<melting_options> melting;             // of each material
+  double pond_top, cover_temperature;               // m, K; pond_top is the lid where nothing covers the pond
+  std::optional<double> melt_conducted;             // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
+  double k_x = 0.0, k_z = 0.0;                      // 1/m
+  bool symmetric_stress;                            // viscous: with the transpose of the gradient (terms.hpp)
+  double spurious_modulus;                          // largest |mu/p| of the start lattice
   double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
   // rti: of the liquids as they are, of the run with its slowed sound and inertia, and with K infinite; nothing where
   // the waves do not separate. The mode is the run's.

@@ -2,14 +2,25 @@
 
 namespace tetsuame::two_fluids {
 
-regions::abilities regions_of(problem_kind kind) {
+regions::abilities regions_of(problem_kind kind, const options& o) {
   const auto names = names_of(kind);
-  return {.materials = {names[0], names[1]}, .temperature = true, .velocity = true, .density = true, .pressure = true};
+  regions::abilities all{.materials = {names[0], names[1]},
+                         .more_materials = true,
+                         .temperature = true,
+                         .velocity = true,
+                         .density = true,
+                         .pressure = true};
+  for (std::size_t n = 2; n < o.material.size(); ++n) all.materials.push_back(o.material[n].name);
+  return all;
 }
 
 void resolve_regions(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p) {
   p.regions =
-      regions::all(schema, regions_of(kind), o.regions, static_cast<int>(o.domain.dimension), o.domain.length, p.dx);
+      regions::all(schema, regions_of(kind, o), o.regions, static_cast<int>(o.domain.dimension), o.domain.length, p.dx);
+  if (kind == problem_kind::drop && o.material.size() > 2) {
+    p.theory_fall.reset();
+    p.theory_about = "there are more than two materials: no velocity of fall to compare with";
+  }
   if (!p.regions.any()) return;
   const char* group = group_of(kind);
   if (!o.common.start.file.empty())

@@ -58,6 +58,14 @@ std::vector<measured_column> columns_of(const fluids<D>& f) {
   return all;
 }
 
+// And of each &material.
+template <int D>
+std::vector<output::history_column> columns_of_materials(const fluids<D>& f) {
+  std::vector<output::history_column> all;
+  for (std::size_t n = 2; n < f.o.material.size(); ++n) all.push_back({"centroid_" + f.o.material[n].name, "1"});
+  return all;
+}
+
 // Measures, and keeps what the summary looks back on.
 template <int D>
 void next_line(measures& m, const fluids<D>& f, double t) {
@@ -66,6 +74,7 @@ void next_line(measures& m, const fluids<D>& f, double t) {
   follow_energy(m, f);
   follow_motion(m, f);
   follow_metal(m, f);
+  follow_materials(m, f);
   if (f.is_drop()) follow_drops(m, f);
   if (f.dissolved) follow_element(m, f);
   if (f.enthalpy) follow_heat(m, f);
@@ -86,6 +95,8 @@ void save(measures m, const fluids<D>& f, output::checkpoint_globals& g) {
     for (const double* value : m.of_element()) g.blobs["element"].push_back(*value);
   for (const double* value : m.scalars()) g.blobs["measures"].push_back(*value);
   g.blobs["measures"].push_back(f.second_order ? 1.0 : 0.0);
+  for (const auto& [mass, centroid] : m.further)
+    for (const double value : {mass, centroid}) g.blobs["materials"].push_back(value);
 }
 
 template <int D>
@@ -101,6 +112,8 @@ measures restored(fluids<D>& f, const output::checkpoint_globals& g) {
   k = 0;
   for (double* value : m.scalars()) *value = g.blobs.at("measures")[k++];
   f.second_order = g.blobs.at("measures")[k] != 0.0;
+  if (const auto found = g.blobs.find("materials"); found != g.blobs.end())
+    for (k = 0; k + 1 < found->second.size(); k += 2) m.further.push_back({found->second[k], found->second[k + 1]});
   return m;
 }
 
@@ -256,6 +269,15 @@ void tell_flow(json& j, const measures& m, const fluids<D>& f) {
 }
 
 template <int D>
+void tell_materials(json& j, const measures& m, const fluids<D>& f) {
+  for (std::size_t n = 0; n < m.further.size(); ++n) {
+    const auto& name = f.o.material[n + 2].name;
+    j["mass_" + name] = m.further[n].mass;
+    j["centroid_" + name] = m.further[n].centroid;
+  }
+}
+
+template <int D>
 void tell_element(json& j, const measures& m, const fluids<D>& f) {
   j["element_mass_error"] = m.element_error;
   j["concentration_metal"] = m.in_metal;
@@ -285,6 +307,7 @@ void tell(run::summary& r, const measures& m, const fluids<D>& f) {
   else
     tell_growth(j, m, f);
   tell_flow(j, m, f);
+  tell_materials(j, m, f);
   if (f.dissolved) tell_element(j, m, f);
   if (f.enthalpy) tell_heat(j, m, f);
   const auto& w = f.world.w;

@@ -102,7 +102,7 @@ void check_supports(const namelist::schema& schema, const char* group, const opt
 }
 
 bool viscosities_differ(const options& o) {
-  return o.melting.viscosity_law != "constant" || o.material[0].viscosity != o.material[1].viscosity;
+  return o.melting.viscosity_law != "constant" || !o.equally_viscous();
 }
 
 // A program's scheme has the notes' viscous sum, one kernel for all and the whole pressure.

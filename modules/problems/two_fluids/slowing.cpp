@@ -22,6 +22,9 @@ void check_slowing(const namelist::schema& schema, problem_kind kind, const opti
   const char* group = group_of(kind);
   if (o.integrates_weight)
     schema.fail(group, "zeta", "the equation of Y holds for pressures of the equation of state: run another program");
+  if (o.material.size() > 2)
+    schema.fail(group, "zeta",
+                "slowed sound is that about a column of the two materials of the problem: with &material, 1");
   if (kind == problem_kind::drop && o.drops > 1)
     schema.fail(group, "zeta", "the column at rest has one material: slowed sound is for one drop");
   if (kind == problem_kind::rayleigh_taylor && o.scheme.rows == "balanced")

@@ -28,7 +28,7 @@ inline double density_at(const eos::any& material, double rho, double T, double 
 template <int D>
 double density_at_rest(const fluids<D>& f, std::size_t i, double p_h) {
   const auto& s = f.world.w.s;
-  return density_at(f.world.w.materials[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i], p_h, f.warms);
+  return density_at(f.world.w.materials[f.material_of(i)], s.rho[i], s.T[i], p_h, f.warms);
 }
 
 // N, what lifts particle i, of volume V.

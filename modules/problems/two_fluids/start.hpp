@@ -146,6 +146,8 @@ std::vector<std::array<place, 2>> rows_at_rest(fluids<D>& f) {
     const auto [least, most] = std::ranges::minmax_element(rows, {}, by_density);
     f.density_range[n] = {(*least)[n].density, (*most)[n].density};
   }
+  for (std::size_t n = 2; n < f.density_range.size(); ++n)
+    f.density_range[n] = {on_curve(f, n, pressure.back()).density, on_curve(f, n, pressure.front()).density};
   return rows;
 }
 
@@ -177,7 +179,7 @@ std::vector<double> balance(const fluids<D>& f, std::vector<std::array<place, 2>
 template <int D>
 void heat_up(fluids<D>& f, std::size_t i) {
   auto& s = f.world.w.s;
-  const auto n = static_cast<std::size_t>(s.material[i]);
+  const auto n = f.material_of(i);
   s.T[i] = f.T_start[i] = n == 0 && s.x[1][i] > f.p.pond_top ? f.p.cover_temperature : f.p.temperature[n];
   take_up_heat(f, i);
 }
@@ -195,7 +197,7 @@ void displace(fluids<D>& f, std::size_t i) {
   if (!f.carried && !f.weighed) return;
   // As the mode compresses a particle: its pressure is that of the place where it went.
   const auto m = theory::at(*f.p.mode, x[1] - f.p.interface);
-  const auto e = eos::evaluate((*f.p.material)[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i]);
+  const auto e = eos::evaluate((*f.p.material)[f.material_of(i)], s.rho[i], s.T[i]);
   const double stiffness = f.warms ? s.rho[i] * e.sound_speed * e.sound_speed : e.K_T;
   s.rho[i] *= 1.0 + f.o.amplitude * wave_at(f, x) *
                         (m.pressure / f.stiffness - s.rho[i] * f.o.gravity * m.displacement_y) / stiffness;
@@ -242,9 +244,9 @@ void take_from_file(fluids<D>& f) {
     return f.o.masses == "equal_mass" ? f.p.layers[n].volume : std::pow(w.dx, D);
   };
   const auto read = run::start_from_file(
-      f.o.common.start, {.materials = 2, .pressures = {std::min(top, floor), std::max(top, floor)}, .volume = volume},
-      f.world);
-  expect_both_materials(f, f.o.common.start.place + f.o.common.start.file);
+      f.o.common.start,
+      {.materials = f.o.names(), .pressures = {std::min(top, floor), std::max(top, floor)}, .volume = volume}, f.world);
+  expect_all_materials(f, f.o.common.start.place + f.o.common.start.file);
   if (read.laid_anew) f.placed = f.world.fluid_total;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     f.rho_start[i] = s.rho[i];
@@ -267,17 +269,17 @@ void place_fluid(fluids<D>& f) {
   if (f.o.masses == "equal_mass") {
     place_layers(f);
     const double top = f.o.domain.length[1], below = f.p.interface * (1.0 - 1e-12);
-    f.density_range = {{{f.p.base->at(below).density, f.p.base->at(0.0).density},
-                        {f.p.base->at(top).density, f.p.base->at(f.p.interface).density}}};
+    f.density_range = {{f.p.base->at(below).density, f.p.base->at(0.0).density},
+                       {f.p.base->at(top).density, f.p.base->at(f.p.interface).density}};
     for (std::size_t i = 0; i < s.fluid; ++i)
-      start_at(f, i, f.p.base->at(s.x[1][i]), f.p.layers[static_cast<std::size_t>(s.material[i])].volume);
+      start_at(f, i, f.p.base->at(s.x[1][i]), f.p.layers[f.material_of(i)].volume);
   } else {
     auto rows = rows_at_rest(f);
     const auto heights = f.o.scheme.rows == "balanced" ? balance(f, rows) : std::vector<double>{};
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const auto row = static_cast<std::size_t>(s.x[1][i] / w.dx);
       if (!heights.empty()) s.x[1][i] = s.x_start[1][i] += heights[row] - (static_cast<double>(row) + 0.5) * w.dx;
-      start_at(f, i, rows[row][static_cast<std::size_t>(s.material[i])], std::pow(w.dx, D));
+      start_at(f, i, rows[row][f.material_of(i)], std::pow(w.dx, D));
       if (f.enthalpy) heat_up(f, i);
       if (f.p.mode && f.o.start != "coloured") displace(f, i);
     }
@@ -323,12 +325,12 @@ void set_up(fluids<D>& f) {
   run::set_up_empty(f.world, domain::communicator::world(), o.domain, o.walls, o.common.kernel, 0.0);
   place_lattice(f);
   f.placed = f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));
-  w.materials = {(*f.p.material)[0], (*f.p.material)[1]};
+  w.materials = *f.p.material;
   w.g[1] = -o.gravity;
   if (o.by_program) {
     f.world.treatment = walls::make(o.walls.treatment);
     f.world.walls.how = o.walls;
-    if (!o.conducts() && o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity)
+    if (!o.conducts() && o.melting.viscosity_law == "constant" && o.equally_viscous())
       w.uniform_transport = o.material[0].viscosity;
   }
   f.h = o.common.kernel.h_over_dx * w.dx;
@@ -341,7 +343,8 @@ template <int D>
 void find_reference(fluids<D>& f) {
   if (f.o.scheme.reference_pressure != "lightest") return;
   double lightest = std::numeric_limits<double>::infinity();
-  for (const std::size_t n : {0, 1}) lightest = std::min(lightest, on_curve(f, n, f.o.p_top).density);
+  for (std::size_t n = 0; n < f.o.material.size(); ++n)
+    lightest = std::min(lightest, on_curve(f, n, f.o.p_top).density);
   f.reference_slope = -f.o.gravity * lightest;
   f.reference_floor = -f.reference_slope * f.o.domain.length[1];
 }

@@ -17,7 +17,7 @@ struct largest_coefficients {
   double sound = 0.0, pressure_sound = 0.0, nu = 0.0, kappa = 0.0;  // m/s, m/s, m2/s, m2/s
 };
 
-// Either material by itself: isotherm or adiabat through the lid's pressure and temperature.
+// A material by itself: isotherm or adiabat through the lid's pressure and temperature.
 inline place at_pressure(const options& o, const parameters& p, std::size_t n, double pressure) {
   return at_pressure({&(*p.material)[n], o.p_top, o.temperature, o.temperature_law == "adiabatic"}, pressure);
 }
@@ -25,8 +25,10 @@ inline place at_pressure(const options& o, const parameters& p, std::size_t n, d
 inline largest_coefficients largest_of_materials(const options& o, const parameters& p) {
   largest_coefficients most;
   const double p_floor = p.base->at(0.0).pressure;
-  const bool contrast = o.slowing.any() && o.material[0].viscosity != o.material[1].viscosity;
-  for (const std::size_t n : {0, 1})
+  const bool contrast = o.slowing.any() && !o.equally_viscous();
+  bool unequal = false;  // conductivities
+  for (std::size_t n = 1; n < o.material.size(); ++n) unequal |= o.conductivity_of(n) != o.conductivity_of(0);
+  for (std::size_t n = 0; n < o.material.size(); ++n)
     for (const double pressure : {o.p_top, p_floor}) {
       const auto& material = (*p.material)[n];
       const auto state = at_pressure(o, p, n, pressure);
@@ -34,13 +36,12 @@ inline largest_coefficients largest_of_materials(const options& o, const paramet
       const double c = e.sound_speed / o.slowing.zeta, xi = o.slowing.xi_n(n);
       most.sound = std::max(most.sound, c / xi);
       most.pressure_sound = std::max(most.pressure_sound, c);
-      const bool law = n == 0 && o.melting.viscosity_law != "constant";
-      const double stiffest = law ? o.melting.viscosity_max : o.material[n].viscosity;
-      const double eta =
-          n == 0 && o.melting.inertia_viscosity > 0.0 ? std::min(stiffest, o.melting.inertia_viscosity) : stiffest;
+      const auto& melting = p.melting[n];
+      const bool law = melting.viscosity_law != "constant";
+      const double stiffest = law ? melting.viscosity_max : o.material[n].viscosity;
+      const double eta = melting.inertia_viscosity > 0.0 ? std::min(stiffest, melting.inertia_viscosity) : stiffest;
       // Beside something far stiffer a pair's mean, 4 η η'/(η + η'), is twice that of equals.
       most.nu = std::max(most.nu, (law || contrast ? 2.0 : 1.0) * eta / (state.density * xi * xi));
-      const bool unequal = o.conductivity_of(0) != o.conductivity_of(1);  // likewise
       most.kappa = std::max(most.kappa, (unequal ? 2.0 : 1.0) * o.conductivity_of(n) / (state.density * e.c_V));
     }
   // Twice, as for viscosities: a partition coefficient makes a contrast.
@@ -52,9 +53,14 @@ inline largest_coefficients largest_of_materials(const options& o, const paramet
 // 1/s, the stiffest capillary wave: of two spacings, ω² = σk³/(ρ + ρ').
 inline double capillary_frequency(const options& o, const parameters& p, double dx) {
   if (!(o.surface_tension > 0.0)) return 0.0;
-  const double both = at_pressure(o, p, 0, o.p_top).density + at_pressure(o, p, 1, o.p_top).density;
-  const double lightest = std::min(o.slowing.xi_n(0), o.slowing.xi_n(1));
-  return std::sqrt(o.surface_tension * std::pow(std::numbers::pi / dx, 3) / both) / lightest;
+  std::array<double, 2> lightest{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  double xi = lightest[0];
+  for (std::size_t n = 0; n < o.material.size(); ++n) {  // of silicate, of metal
+    auto& of = lightest[o.material[n].metal ? 1 : 0];
+    of = std::min(of, at_pressure(o, p, n, o.p_top).density);
+    xi = std::min(xi, o.slowing.xi_n(n));
+  }
+  return std::sqrt(o.surface_tension * std::pow(std::numbers::pi / dx, 3) / (lightest[0] + lightest[1])) / xi;
 }
 
 // dx: m, of the lattice

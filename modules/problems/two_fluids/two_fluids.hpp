@@ -1,5 +1,5 @@
-// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop
-// (docs/theory/core_formation.md).
+// Two fluids of different density under gravity, or more, compressible and viscous, in a box: metal over silicate, or a
+// drop (docs/theory/core_formation.md).
 //
 //   dx/dt = v,   ξ² m dv/dt = pressure + viscosity + surface tension (terms.hpp) + m g
 //   volume number_density:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
@@ -7,13 +7,15 @@
 //   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r
 //   pressure: p̂, or Σ Y W over Σ ΔV W
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
-//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/melting.hpp)
+//     or out of the heat content, dh/dt = (friction + conduction)/m, with which materials melt (melting/melting.hpp)
 //   variable inertia: ξ² of the input, times η/η_x where η is above η_x (docs/theory/relaxation.md)
 //   slowed sound: slowing.hpp
 //
 // Start: start.hpp; one evaluation: evaluation.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
 // told: report.hpp.
 #pragma once
+
+#include <fmt/ranges.h>
 
 #include <liquid/scheme.hpp>
 #include <output/groups.hpp>
@@ -87,6 +89,7 @@ class problem : public liquid::problem<D> {
   std::vector<output::history_column> measured_columns() const override {
     std::vector<output::history_column> all;
     for (const auto& [column, value] : columns_of(f_)) all.push_back(column);
+    for (auto& column : columns_of_materials(f_)) all.push_back(std::move(column));
     return all;
   }
   std::vector<double> measure(double t) override {
@@ -94,6 +97,7 @@ class problem : public liquid::problem<D> {
     base::note_density_excess(m_.density_excess);
     std::vector<double> values;
     for (const auto& [column, value] : columns_of(f_)) values.push_back(m_.*value);
+    for (const auto& of : m_.further) values.push_back(of.centroid);
     return values;
   }
   void report_results(double, run::summary& r) override { tell(r, m_, f_); }
@@ -110,7 +114,8 @@ class problem : public liquid::problem<D> {
     add("SmoothingLength", output::make_array(extra, s.fluid, [&](auto i) {
           return f_.follows ? f_.S[i] / of_kernel.support_over_h : f_.h;
         }));
-    add("Material", output::make_array(extra, s.fluid, [&](auto i) { return f_.is_metal(i) ? 1.0 : 0.0; }));
+    add("Material", output::make_array(extra, s.fluid, [&](auto i) { return static_cast<double>(s.material[i]); }));
+    g.columns.back().names = fmt::format("{}", fmt::join(f_.o.names(), ", "));
     add("Volume", s.dV.data());
     add("DensityReference", f_.rho_start.data());
     if (f_.dissolved) add("Concentration", f_.element.data());

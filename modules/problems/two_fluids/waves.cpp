@@ -150,6 +150,8 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
                 fmt::format("is {:.6g} m, more than the thinner layer is high, {:.6g} m", o.amplitude, thinner));
   if (o.temperature_law == "enthalpy")
     p.theory_about = "materials that melt, or lie in three layers, have no growth rate";
+  else if (o.material.size() > 2)
+    p.theory_about = "there are more than two materials: no growth rate to compare with";
   else if (o.regions.any())
     p.theory_about = "the start is that of &region: no growth rate to compare with";
   else if (o.has_bodies())

@@ -18,10 +18,12 @@ NEAR, ASIDE = 1.5, 1.3  # spacings: where no particle is so near, and the mean o
 
 @dataclass
 class Map:
-    """values[row, column]: rows from the bottom up. extent: left, right, bottom, top, m. axes: which axes of space these are."""
+    """values[row, column]: rows from the bottom up. extent: left, right, bottom, top, m. axes: which axes of space these are. names: of
+    what the values number."""
     values: np.ndarray
     extent: tuple[float, float, float, float]
     axes: tuple[int, int]
+    names: tuple[str, ...] = ()
 
     @property
     def x(self) -> np.ndarray:

@@ -9,6 +9,7 @@
 A run is the directory that a program's --output names. Damaged or absent files raise Unreadable, with one sentence.
 """
 import bisect
+import dataclasses
 import functools
 from pathlib import Path
 
@@ -40,6 +41,8 @@ class Snapshot:
             self.names = sorted(fluid)
             units = {name: fluid[name].attrs.get("units", "") for name in self.names}
             self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
+            materials = fluid["Material"].attrs.get("names", "") if "Material" in fluid else ""
+            self.materials = (materials.decode() if isinstance(materials, bytes) else str(materials)).split(", ") if materials else []
             (self.particles,) = fluid["ParticleIDs"].shape
             if not (1 <= self.dimension == len(self.lengths) == len(self.periodic) <= 3 and np.isfinite(self.time)
                     and np.isfinite(self.lengths).all() and (self.lengths > 0).all()):
@@ -82,7 +85,19 @@ class Snapshot:
 
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
-        return rendering.slice_of(self, self[name], pixels, axis, at, self.mirrors if name == "Temperature" else ())
+        def rendered(values):
+            return rendering.slice_of(self, values, pixels, axis, at, self.mirrors if name == "Temperature" else ())
+
+        if name != "Material":
+            return rendered(self[name])
+        names = tuple(self.materials)
+        if len(names) < 3:
+            return dataclasses.replace(rendered(self[name]), names=names)
+        # Between the first and the third there is no second: that which has the largest share.
+        shares = [rendered((self[name] == n).astype(float)) for n in range(len(names))]
+        values = np.stack([share.values for share in shares])
+        largest = np.where(np.isnan(values[0]), np.nan, np.argmax(values, axis=0))
+        return dataclasses.replace(shares[0], values=largest, names=names)
 
     @functools.cached_property
     def mirrors(self) -> tuple[rendering.Mirror, ...]:
@@ -90,8 +105,9 @@ class Snapshot:
         give a flux."""
         path = self.path.parent / "resolved.nml"
         keys = Keys(path) if path.is_file() else {}
-        conducts = any(key.endswith((".conductivity", ".diffusivity")) and keys.real(key) > 0 for key in keys)
-        if not conducts or "walls.thermal" not in keys:
+        if "walls.thermal" not in keys:
+            return ()
+        if not any(key.endswith((".conductivity", ".diffusivity")) and keys.real(key) > 0 for key in keys):
             return ()
         found = []
         for axis, sides in enumerate(SIDES[: self.dimension]):

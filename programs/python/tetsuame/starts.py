@@ -18,13 +18,14 @@ FIELDS = {
 
 
 def write_snapshot(path, *, positions, box, velocities=None, materials=None, temperatures=None, densities=None, masses=None,
-                   energies=None, pressures=None, ids=None, units=None) -> Path:
+                   energies=None, pressures=None, ids=None, units=None, names=()) -> Path:
     """Writes particles to an HDF5 file that `&initial file` takes, and returns its path.
 
     positions     N x 2 or N x 3 (N, or N x 1, in one dimension)
     box           lengths of the box's edges, those of `&domain`, in the unit of the positions
     velocities    of the positions' shape; not given: at rest
-    materials     whole numbers, 0 (lower, outside) or 1 (upper, drop)
+    materials     whole numbers, 0 (lower, outside), 1 (upper, drop), and from 2 on those of `&material`
+    names         of the materials, by number: ["lower", "upper", "crust"]. The program then knows them by name; not given: by number
     temperatures, densities, masses, energies (internal), pressures
                   a number for each particle, or one for all. In two dimensions masses are of a metre of depth
     ids           whole numbers, each once; not given: from 1
@@ -66,6 +67,8 @@ def write_snapshot(path, *, positions, box, velocities=None, materials=None, tem
         for name, (values, unit) in datasets.items():
             particles[name] = values
             particles[name].attrs["units"] = unit
+        if "Material" in whole and names:
+            particles["Material"].attrs["names"] = ", ".join(names)
     return Path(path)
 
 

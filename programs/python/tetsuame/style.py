@@ -167,9 +167,12 @@ def stopped(ax, x: float, y: float | None, colour: str, below: int = 0) -> None:
     ax.plot(within(x, ax.xaxis), up, "x", color=colour, markersize=7, markeredgewidth=2, zorder=5, transform=ax.transAxes)
 
 
-def colour_bar(figure, drawn, axes, label: str, **options) -> None:
+def colour_bar(figure, drawn, axes, label: str, names: tuple[str, ...] = (), **options) -> None:
+    """names: of what the values number, from 0."""
     bar = figure.colorbar(drawn, ax=axes, **options)
     bar.set_label(label)
+    if names:
+        bar.set_ticks(range(len(names)), labels=names)
     bar.outline.set_visible(False)
 
 

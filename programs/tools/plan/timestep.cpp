@@ -59,7 +59,7 @@ std::map<std::string, std::vector<double>> read_history(const std::string& path)
 }
 
 overturn_run as_run(const two_fluids::options& o) {
-  const auto& [lower, upper] = o.material;
+  const auto &lower = o.material[0], &upper = o.material[1];
   overturn_run r{};
   r.sound_known = lower.eos == "linear" && upper.eos == "linear";
   r.n = o.domain.particles[1];
