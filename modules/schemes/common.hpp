@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cmath>
+#include <operators/symmetric.hpp>
 #include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
 #include <particles/named_fields.hpp>
@@ -31,23 +32,34 @@ inline constexpr field<struct sound_tag> of_sound;
 inline constexpr field<struct slope_tag> of_slope;  // f_i/y_i², with the pressure where the scheme has one of its own
 inline constexpr field<struct dissipation_tag> of_dissipation;  // α_i and Balsara's factor; the part of P* (Godunov)
 inline constexpr field<struct correction_tag> of_correction;    // z_i
+inline constexpr field<struct energy_tag> of_energy;            // J/kg
+inline constexpr field<struct integral_tag> of_integral;        // C, 1/m²
+inline constexpr field<struct geometric_tag> of_geometric;      // g
 inline constexpr field<struct gamma_tag> of_gamma;
 inline constexpr field<struct stiffness_tag> of_stiffness;  // p_inf, Pa
 inline constexpr field<struct grad_p_tag> of_grad_p;
 inline constexpr field<struct grad_rho_tag> of_grad_rho;
 inline constexpr field<struct grad_v_tag> of_grad_v;  // [D a + b]: ∂v_a/∂x_b
 
+// What a scheme reads beside what all do.
+struct needs {
+  bool slopes = false;     // gradients
+  bool corrects = false;   // REMIX's kernels, and ρ by continuity
+  bool integral = false;   // gradients by an integral (integral.hpp)
+  bool geometric = false;  // the factor of forces with geometric densities (density_based.hpp)
+};
+
 // One field a quantity, beside those that all particles have.
 template <int D>
 struct arrays {
   using array = particles::array;
-  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2), R = 2 + G;
+  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2), R = 2 + G, M = operators::symmetric_terms(D);
   template <std::size_t N>
   using vector_field = particles::vector_field<N>;
 
  private:
   particles::particles<D>& table_;
-  const bool slopes_, corrects_;
+  const needs has_;
 
  protected:
   array& derived(const char* name, const char* unit, const char* about, bool needed = true) {
@@ -59,8 +71,7 @@ struct arrays {
   }
 
  public:
-  // slopes: the scheme reads gradients. corrects: it has REMIX's kernels, and ρ by continuity.
-  arrays(particles::particles<D>& s, bool slopes, bool corrects) : table_(s), slopes_(slopes), corrects_(corrects) {}
+  arrays(particles::particles<D>& s, const needs& of_scheme) : table_(s), has_(of_scheme) {}
   arrays(const arrays&) = delete;  // its fields are the particles', and move with them
   arrays& operator=(const arrays&) = delete;
   arrays(arrays&&) = default;
@@ -75,9 +86,11 @@ struct arrays {
   array& gamma = derived("AdiabaticExponent", "1", "of the gas, or of the material at the start");
   array& stiffness = derived("StiffenedPressure", "Pa", "p_inf");
   array& kind = derived("KindOfMaterial", "1", "which material");
-  vector_field<G> gradient = derived_vector<G>("Gradient", "", "of p (REMIX: u), of rho, [D a + b] of v", slopes_);
+  vector_field<G> gradient = derived_vector<G>("Gradient", "", "of p (REMIX: u), of rho, [D a + b] of v", has_.slopes);
   vector_field<R> reproducing =
-      derived_vector<R>("ReproducingCoefficient", "", "m_0, A, B, gradients of A and B", corrects_);
+      derived_vector<R>("ReproducingCoefficient", "", "m_0, A, B, gradients of A and B", has_.corrects);
+  vector_field<M> integral = derived_vector<M>("IntegralGradient", "1/m^2", "C, a symmetric tensor", has_.integral);
+  array& factor = derived("GeometricFactor", "1", "g, of gradients", has_.geometric);
   // Of the particles that have neighbours
   array& y = derived("SumOfWeights", "", "y: sum of w W");
   array& f = derived("SupportFactor", "1", "f: of supports that follow y");
@@ -91,7 +104,7 @@ struct arrays {
   vector_field<D> force = derived_vector<D>("Force", "N", "");
   array& power = derived("Power", "W", "");
   array& signal = derived("SignalVelocity", "m/s", "");
-  array& density_rate = derived("DensityRate", "kg/(m^D s)", "by continuity", corrects_);
+  array& density_rate = derived("DensityRate", "kg/(m^D s)", "by continuity", has_.corrects);
 };
 
 template <std::size_t N, std::size_t M>
@@ -128,6 +141,9 @@ struct fields {
   auto of(field<slope_tag> tag) const { return one(tag, a.slope); }
   auto of(field<dissipation_tag> tag) const { return one(tag, a.dissipation); }
   auto of(field<correction_tag> tag) const { return one(tag, a.correction, D); }
+  auto of(field<energy_tag> tag) const { return one(tag, s.u); }
+  auto of(field<geometric_tag> tag) const { return one(tag, a.factor); }
+  auto of(field<integral_tag> tag) const { return pairs::read(tag, slice<arrays<D>::M>(a.integral, 0), -2); }
   auto of(field<gamma_tag> tag) const { return one(tag, a.gamma); }
   auto of(field<stiffness_tag> tag) const { return one(tag, a.stiffness); }
   auto of(field<grad_p_tag> tag) const { return pairs::read(tag, slice<N>(a.gradient, 0), -1); }

@@ -18,7 +18,6 @@
 
 namespace tetsuame::schemes {
 
-inline constexpr field<struct energy_tag> of_energy;                // J/kg
 inline constexpr field<struct normalisation_tag> of_normalisation;  // m_0
 inline constexpr field<struct kind_tag> of_kind;                    // which material
 
@@ -49,9 +48,8 @@ struct remix {
     return std::tuple_cat(
         reproducing_reads(g.a),
         g.read(of_velocity, of_mass, of_density, of_pressure, of_sound, of_per_support, of_dissipation, of_volume,
-               of_grad_p, of_grad_rho, of_grad_v),
-        std::tuple{pairs::read(of_energy, g.s.u.data()), pairs::read(of_normalisation, g.a.reproducing[0].data()),
-                   pairs::read(of_kind, g.a.kind.data())});
+               of_grad_p, of_grad_rho, of_grad_v, of_energy),
+        std::tuple{pairs::read(of_normalisation, g.a.reproducing[0].data()), pairs::read(of_kind, g.a.kind.data())});
   }
   me begin(const pairs::cluster<>&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {

@@ -4,6 +4,7 @@
 #include <kernels/kernel.hpp>
 #include <particles/storage.hpp>
 #include <random>
+#include <schemes/density_based.hpp>
 #include <schemes/gradients.hpp>
 #include <schemes/reproducing.hpp>
 
@@ -17,7 +18,7 @@ struct cloud : particles::particles<D>, schemes::arrays<D> {
   std::size_t n;
   cells::neighbour_list list;
 
-  explicit cloud(std::size_t count_) : schemes::arrays<D>(*this, true, true), n(count_) {
+  explicit cloud(std::size_t count_) : schemes::arrays<D>(*this, {true, true, true, true}), n(count_) {
     particles::allocate(*this, n, 0, 0, 0);
     std::fill(this->gamma.begin(), this->gamma.end(), adiabatic);
     see_all(1);
@@ -95,6 +96,25 @@ void prepare(cloud<D>& g, const Kernel& unit, weigh by, bool own_pressure, bool 
     g.dV[i] = 1.0 / g.number[i];
   }
   g.find_gradients(unit);
+}
+
+// As a run of the schemes of Σ m W with other gradients: V = m/ρ, C and g.
+template <int D, class Kernel>
+void prepare_density_based(cloud<D>& g, const Kernel& unit, bool supports_vary = true) {
+  prepare(g, unit, weigh::mass, true, false);
+  for (std::size_t i = 0; i < g.n; ++i) g.dV[i] = g.m[i] / g.rho[i];
+  g.sum(schemes::integral<D, Kernel>{unit, g.fields()});
+  g.sum(schemes::geometric_factor<D, Kernel>{unit, g.fields(), supports_vary});
+}
+
+// f(term, name) of each of these schemes.
+template <int D, class Kernel>
+void for_each_density_based(cloud<D>& g, const Kernel& unit, double conductivity, const auto& f) {
+  const auto all = g.fields();
+  f(schemes::density_based<D, Kernel, false, false>{{unit, all}, conductivity}, "ssph");
+  f(schemes::density_based<D, Kernel, false, true>{{unit, all}, conductivity}, "ssph by an integral");
+  f(schemes::density_based<D, Kernel, true, false>{{unit, all}, conductivity}, "gdf");
+  f(schemes::density_based<D, Kernel, true, true>{{unit, all}, conductivity}, "gdf by an integral");
 }
 
 }  // namespace tetsuame

@@ -42,6 +42,17 @@ cloud<D> mild_disorder(std::uint32_t seed, std::size_t count) {
   return g;
 }
 
+// C of a neighbourhood on all sides in the place of the cloud's, which may lie on one, with forces as large as they
+// like.
+template <int D>
+void give_tensors(cloud<D>& g) {
+  for (std::size_t b = 0; b < D; ++b)
+    for (std::size_t c = b; c < D; ++c)
+      for (std::size_t i = 0; i < g.n; ++i)
+        g.integral[operators::symmetric_place(b, c, D)][i] =
+            (b == c ? 10.0 : 0.0) / (g.S[i] * g.S[i]) + number_of(7 * i + b + c, -2.0, 2.0);
+}
+
 // f(g, term, name) for each scheme that has single precision, its fields as in a run.
 template <int D, class Kernel>
 void for_each_scheme(cloud<D>& g, const Kernel& unit, const auto& f) {
@@ -55,6 +66,9 @@ void for_each_scheme(cloud<D>& g, const Kernel& unit, const auto& f) {
     prepare(g, unit, weigh::energy, false, number);
     f(g, schemes::gdisph<D, Kernel>{unit, g.fields(), 2.0, false}, "gdisph");
   }
+  prepare_density_based(g, unit);
+  give_tensors(g);
+  for_each_density_based(g, unit, 1.0, [&](const auto& term, const char* name) { f(g, term, name); });
 }
 
 // f(seed, g): two particles, a part of the box from each other. The nearer, the larger are the f_i of a lonely pair.

@@ -1,8 +1,9 @@
 // The right-hand side as a list of passes. Densities, and the state that follows from them:
 //   y, f, z, ∇·v, ∇×v over neighbours (schemes/common.hpp); ρ, and P, c of ρ and u (here of an ideal gas)
 //     SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
-// then gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the kernels' corrections (REMIX); forces and
-// power, with artificial viscosity or Riemann problems; and
+// then gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the kernels' corrections (REMIX), the moments
+// of gradients by an integral, or the factor of geometric densities; forces and power, with artificial viscosity or
+// Riemann problems; and
 //   dx/dt = v, dv/dt = F/m, du/dt = power/m, dα/dt or dρ/dt where these are integrated
 #pragma once
 
@@ -10,6 +11,7 @@
 
 #include <gas/world.hpp>
 #include <passes/evaluation.hpp>
+#include <schemes/density_based.hpp>
 #include <schemes/godunov.hpp>
 #include <schemes/gradients.hpp>
 #include <schemes/remix.hpp>
@@ -42,6 +44,23 @@ void sum_corrections(world<D>& g, const pairs::row_range& rows) {
       g.unit);
 }
 
+template <int D>
+void sum_moments(world<D>& g, const pairs::row_range& rows) {
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::integral<D, Kernel>{unit, g.fields()});
+      },
+      g.unit);
+}
+template <int D>
+void sum_geometric_factor(world<D>& g, const pairs::row_range& rows, bool supports_vary) {
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::geometric_factor<D, Kernel>{unit, g.fields(), supports_vary});
+      },
+      g.unit);
+}
+
 // The sum of forces of the scheme that was asked for.
 template <int D>
 std::function<void(const pairs::row_range&)> forces_of(world<D>& g) {
@@ -54,6 +73,18 @@ std::function<void(const pairs::row_range&)> forces_of(world<D>& g) {
   const double theta = q.limiter == "minmod" ? 1.0 : 2.0, fading = q.fading, support = g.support_over_dx;
   const bool exact = q.solver == "exact";
   using schemes::fields;
+  const auto density_based = [&]<bool Geometric, bool Integral>(std::bool_constant<Geometric>,
+                                                                std::bool_constant<Integral>) {
+    return by([alpha_u = q.conductivity]<class K>(const K& unit, const fields<D>& all) {
+      return schemes::density_based<D, K, Geometric, Integral>{{unit, all}, alpha_u};
+    });
+  };
+  constexpr std::true_type yes;
+  constexpr std::false_type no;
+  if (g.geometric && g.integral_gradients) return density_based(yes, yes);
+  if (g.geometric) return density_based(yes, no);
+  if (g.integral_gradients) return density_based(no, yes);
+  if (g.o.conducts()) return density_based(no, no);
   if (q.scheme == "ssph")
     return by([]<class K>(const K& unit, const fields<D>& all) { return schemes::ssph<D, K>{unit, all}; });
   if (q.scheme == "disph")
@@ -102,6 +133,8 @@ class list_of_passes {
     }
     find_state();
     if (g_.evolves_density) find_corrections();
+    if (g_.integral_gradients) find_moments();
+    if (has_factor_) find_geometric_factor();
     if (g_.second_order || g_.evolves_density) find_gradients();
     find_forces();
     find_rates();
@@ -194,7 +227,7 @@ class list_of_passes {
     const double k = g_.weighs_volume ? g_.start_sum[i] : 1.0;
     find_pressure(i, k);
     g_.number_volume[i] = 1.0 / g_.number[i];
-    s_.dV[i] = g_.evolves_density ? s_.m[i] / s_.rho[i] : g_.number_volume[i];
+    s_.dV[i] = volumes_by_density_ ? s_.m[i] / s_.rho[i] : g_.number_volume[i];
     g_.per_S[i] = 1.0 / g_.S[i];
     g_.slope[i] = fades_ ? std::sqrt(k) / g_.y[i]
                          : (with_f_ ? g_.f[i] : 1.0) * (g_.godunov ? 1.0 : s_.p[i]) * k / (g_.y[i] * g_.y[i]);
@@ -213,6 +246,20 @@ class list_of_passes {
       e.mirrored({{.values = &all[n], .by = walls::parity::signed_by_axes, .axes = along}});
     }
   }
+  // A tensor's component b, c changes sign in a wall across one of the two.
+  void find_moments() {
+    for (std::size_t b = 0; b < D; ++b)
+      for (std::size_t c = b; c < D; ++c)
+        e.mirrored({{.values = &g_.integral[operators::symmetric_place(b, c, D)],
+                     .by = walls::parity::signed_by_axes,
+                     .axes = 1U << b ^ 1U << c}});
+    e.sum("corrections", {.reads = {g_.S}, .at_neighbours = {found()}, .writes = {g_.integral}},
+          [this](const pairs::row_range& rows) { sum_moments(g_, rows); });
+  }
+  void find_geometric_factor() {
+    e.sum("corrections", {.reads = {g_.S, g_.f}, .at_neighbours = {found()}, .writes = {g_.factor}},
+          [this](const pairs::row_range& rows) { sum_geometric_factor(g_, rows, with_f_); });
+  }
   void find_corrections() {
     mirror_gradients(g_.reproducing, 2);
     e.sum("corrections", {.at_neighbours = {found(), s_.v, s_.m, g_.weight}, .writes = {g_.reproducing}},
@@ -228,6 +275,8 @@ class list_of_passes {
                         .writes = {g_.force, g_.power, g_.signal, g_.density_rate}};
     if (g_.second_order || g_.evolves_density) uses.at_neighbours.add({g_.gradient});
     if (g_.evolves_density) uses.at_neighbours.add({g_.reproducing});
+    if (g_.integral_gradients) uses.at_neighbours.add({g_.integral});
+    if (has_factor_) uses.at_neighbours.add({g_.factor});
     e.sum("forces", uses, forces_of(g_));
   }
   void find_rates() {
@@ -255,6 +304,8 @@ class list_of_passes {
   const bool fades_ = g_.o.terms_fade();
   const bool with_z_ = g_.o.density_independent() && (g_.o.shock.support_terms == "number" || fades_);
   const bool with_f_ = !with_z_ && g_.o.shock.scheme != "gsph" && g_.o.shock.support_terms != "none";
+  const bool volumes_by_density_ = g_.evolves_density || g_.geometric || g_.integral_gradients;
+  const bool has_factor_ = g_.geometric && !g_.integral_gradients;
   std::size_t u_ = 0, extra_ = 0;  // places of rates
 };
 

@@ -30,8 +30,9 @@ void declare_case(namelist::schema& schema, shock_options& s) {
                   "bodies that meet. square: pairs are in double precision unless &kernel precision is given"});
   schema.add(
       "shock", "scheme", s.scheme,
-      {.choices = {"ssph", "disph", "gsph", "gdisph", "remix"},
-       .meaning = "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields"});
+      {.choices = {"ssph", "disph", "gsph", "gdisph", "remix", "gdf"},
+       .meaning = "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields; "
+                  "forces with geometric densities"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
 }
@@ -45,10 +46,11 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
       "shock", "support_terms", s.support_terms,
       {.choices = {"weight", "number", "none", "fading"},
        .expert = true,
-       .meaning = "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
-                  "density [S4], or the number density, as it does [Hopkins 2013]; ssph has the first for both. "
-                  "none: no such terms, in any of the three, as in gsph. fading (gdisph): as 'number' where pressures "
-                  "are equal and as 'none' where they jump, with one volume of the pair"});
+       .meaning =
+           "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
+           "density [S4], or the number density, as it does [Hopkins 2013]; ssph and gdf have the first for "
+           "both. none: no such terms, in any of the four, as in gsph. fading (gdisph): as 'number' where pressures "
+           "are equal and as 'none' where they jump, with one volume of the pair"});
   schema.add("shock", "fading", s.fading,
              for_expert(between(0.0, 1e6,
                                 "support_terms = 'fading': the terms are gone where the pressures of a pair differ by "
@@ -147,6 +149,15 @@ void declare_dissipation(namelist::schema& schema, shock_options& s) {
              {.meaning = "alpha rises where gas is compressed and decays to alpha_min"});
   schema.add("shock", "alpha_min", s.alpha_min, for_expert(between(0.0, 10.0, "smallest alpha")));
   schema.add("shock", "balsara", s.balsara, {.meaning = "less viscosity where gas is sheared and not compressed"});
+  schema.add("shock", "conductivity", s.conductivity,
+             for_expert(between(0.0, 10.0,
+                                "ssph, gdf: alpha_u of an artificial conductivity that acts where pressures differ "
+                                "[Price 2008]; 0: none")));
+  schema.add(
+      "shock", "gradients", s.gradients,
+      {.choices = {"kernel", "integral"},
+       .expert = true,
+       .meaning = "ssph, gdf: the kernel's, or by an integral, exact for linear fields [Garcia-Senz et al. 2012]"});
 }
 
 }  // namespace
@@ -258,6 +269,21 @@ void resolve_materials(const namelist::schema& schema, options& o) {
     schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
   if (o.weighs_energy())
     schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
+}
+
+void check_form(const namelist::schema& schema, const options& o) {
+  const auto& s = o.shock;
+  if (o.integral() && !o.density_based())
+    schema.fail("shock", "gradients", "'integral' is of the schemes 'ssph' and 'gdf'");
+  if (!o.conducts()) return;
+  if (!o.density_based())
+    schema.fail(
+        "shock", "conductivity",
+        "is of the schemes 'ssph' and 'gdf': the others have no step of p at a contact, or diffusion of their own");
+  const bool one_gas = s.l.p_infinity == 0.0 && s.r.p_infinity == 0.0 && s.l.gamma == s.r.gamma;
+  if (o.any_eos() || !one_gas)
+    schema.fail("shock", "conductivity",
+                "evens out u, whose zero differs from material to material: one ideal gas alone");
 }
 
 void check_test(const namelist::schema& schema, const options& o) {
@@ -383,6 +409,7 @@ void resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o.common);
   resolve_materials(schema, o);
   resolve_box(schema, o);
+  check_form(schema, o);
   check_test(schema, o);
   choose_precision(schema, o);
   resolve_regions(schema, o);

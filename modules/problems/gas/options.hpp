@@ -43,6 +43,8 @@ struct shock_options {
   std::string solver = "hllc", reconstruction = "second", limiter = "minmod", star_pressure = "full";
   double alpha = 1.0, alpha_min = 0.1;
   bool switch_of_alpha = true, balsara = true;
+  std::string gradients = "kernel";  // of ssph and gdf
+  double conductivity = 0.0;         // artificial, of ssph and gdf
 };
 
 struct options {
@@ -56,6 +58,11 @@ struct options {
   bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
+  // Of Σ m W, with artificial viscosity: those that have other gradients and dissipation to choose.
+  bool density_based() const { return shock.scheme == "ssph" || geometric(); }
+  bool geometric() const { return shock.scheme == "gdf"; }
+  bool integral() const { return shock.gradients == "integral"; }
+  bool conducts() const { return shock.conductivity > 0.0; }
   bool terms_fade() const { return shock.support_terms == "fading"; }
   bool evolves_density() const { return shock.scheme == "remix"; }
   bool any_eos() const { return !shock.l.eos.empty(); }

@@ -24,6 +24,7 @@ struct world : run::state<D>, schemes::arrays<D> {
   // What the options say, for loops over particles
   const bool weighs_energy = o.weighs_energy(), weighs_volume = o.weighs_volume(), any_eos = o.any_eos();
   const bool godunov = o.godunov(), second_order = o.second_order(), evolves_density = o.evolves_density();
+  const bool geometric = o.geometric(), integral_gradients = o.integral();
   const bool part_of_star = o.shock.star_pressure == "balsara";
   std::vector<eos::caloric> materials = {};                 // left, right; none: gases
   std::vector<double> stiffening = {};                      // K_S' of each
@@ -43,7 +44,10 @@ struct world : run::state<D>, schemes::arrays<D> {
   particles::array& number_volume = this->derived("NumberVolume", "m^D", "1/n");
 
   world(const options& o_, setup test_)
-      : schemes::arrays<D>(w.s, o_.godunov() || o_.evolves_density(), o_.evolves_density()),
+      : schemes::arrays<D>(w.s, {.slopes = o_.godunov() || o_.evolves_density(),
+                                 .corrects = o_.evolves_density(),
+                                 .integral = o_.integral(),
+                                 .geometric = o_.geometric() && !o_.integral()}),
         o(o_),
         test(std::move(test_)) {}
 
