@@ -198,6 +198,17 @@ class RayleighTaylor(Case):
                 self.assert_says(result, BAD_INPUT, word)
 
 
+class Warms(Case):
+    def test_energy_beside_walls_of_no_slip(self):
+        """Heat of compression is that of the places of what stands behind walls, which do not slip back (measured: 0.0033; 0.25 with the velocity
+        that friction has there, and a density that falls to 0.3)."""
+        settings = {**size(24), **viscosity(6e11), "rti.temperature_law": "adiabatic", "rti.eos_upper": "liquid_iron", "rti.eos_lower": "liquid_silicate",
+                    "rti.temperature": 3000, "time.t_end": 4000, "output.interval": 0}
+        m = self.run_program("rti", NOTE, settings).summary["metrics"]
+        self.assertLess(m["energy_residual_max"], 0.01)
+        self.assertGreater(m["density_ratio_min"], 0.75)
+
+
 class Slowed(Case):
     """Slowed sound and inertia [docs/theory/slowed_layers.md]."""
 
