@@ -84,19 +84,29 @@ BOOST_AUTO_TEST_CASE(interpolation_is_exact_for_polynomials_of_second_degree) {
 }
 
 BOOST_AUTO_TEST_CASE(averages) {
-  record r(2);
-  for (int n = 0; n <= 100; ++n) r.add(n, {5.0 + (n % 2 == 0 ? 0.1 : -0.1), 1.0 + 1e-3 * n});
+  record r(3);
+  for (int n = 0; n <= 100; ++n)
+    r.add(n, {5.0 + (n % 2 == 0 ? 0.1 : -0.1), 1.0 + 1e-3 * n, 5.0 + std::sin(0.2 * std::numbers::pi * n)});
   const auto swinging = r.over(0, 40.0), growing = r.over(1, 40.0);
   BOOST_TEST(swinging.mean == 5.0, tt::tolerance(1e-12));  // 40 samples, later than 60
-  BOOST_TEST(*swinging.uncertainty < 1e-12);
+  // Samples that alternate know their mean: by (1 + ρ)/(1 - ρ)/40, ρ = -39/40, of the variance.
+  BOOST_TEST(*swinging.uncertainty == 0.1 * std::sqrt(1.0 / 79.0 / 40.0), tt::tolerance(1e-9));
+  BOOST_TEST(swinging.swing == 0.1, tt::tolerance(1e-9));
   BOOST_TEST(growing.mean == 1.0 + 1e-3 * 80.5, tt::tolerance(1e-12));
-  // Quarters' means lie at -15, -5, 5, 15 steps: standard error sqrt(500/12) steps.
-  BOOST_TEST(*growing.uncertainty == 1e-3 * std::sqrt(500.0 / 12.0), tt::tolerance(1e-9));
+  // Quarters' means lie at -15, -5, 5, 15 steps: standard error sqrt(500/12) steps. Each sample is like the next: more,
+  // but not more than the standard deviation of what grows by 40 steps, sqrt((40² - 1)/12).
+  BOOST_TEST(*growing.uncertainty > 1e-3 * std::sqrt(500.0 / 12.0));
+  BOOST_TEST(*growing.uncertainty < 1e-3 * std::sqrt(1599.0 / 12.0));
+  // Ten samples a period: the quarters agree, and know nothing.
+  const auto periodic = r.over(2, 40.0);
+  BOOST_TEST(periodic.mean == 5.0, tt::tolerance(1e-12));
+  BOOST_TEST(periodic.swing == std::sqrt(0.5), tt::tolerance(1e-9));
+  BOOST_TEST(*periodic.uncertainty > 0.3 * periodic.swing);
   BOOST_TEST(r.settled(0, 40.0, 1e-6));
   BOOST_TEST(!r.settled(1, 40.0, 0.01));
   BOOST_TEST(r.settled(1, 40.0, 0.03));   // halves differ by 20 steps: 1.85 %
   BOOST_TEST(!r.settled(0, 200.0, 0.1));  // not that long yet
-  record again(2);
+  record again(3);
   again.restore(r.flat());
   BOOST_TEST(again.size() == r.size());
   BOOST_TEST(again.over(1, 17.0).mean == r.over(1, 17.0).mean);

@@ -15,6 +15,10 @@ namespace tetsuame::convection {
 inline constexpr double turnovers = 6.0, of_a_swing = 1.75, least_window = 0.01;
 // How much larger the tolerance is of a coarser level, and of the swing that is left.
 inline constexpr double coarser_tolerance = 10.0, swing_tolerance = 10.0;
+// The same of the standard deviation over six turnovers, which has the noise of the particles in it.
+inline constexpr double deviation_tolerance = 25.0;
+// A flow is not called steady where heat in and out differ by more of what goes through.
+inline constexpr double largest_imbalance = 0.01;
 
 // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
 // not they heat.
@@ -159,7 +163,11 @@ bool decided(const convection_state<D>& state, const measured& m, double toleran
   const double span = window(state, m, beside_a_swing);
   if (!m.samples.full(span) || m.samples.last_time() < state.layer.ramp + span) return false;
   return std::ranges::all_of(std::array<std::size_t, 2>{0, 3}, [&](std::size_t k) {
-    if (!beside_a_swing) return m.samples.settled(k, span, tolerance);
+    if (!beside_a_swing) {
+      const auto mean = m.samples.over(k, span);
+      return m.samples.settled(k, span, tolerance) &&
+             mean.swing <= deviation_tolerance * tolerance * std::abs(mean.mean);
+    }
     const auto a = m.samples.beside_a_swing(k, span, turnover(state, m));
     const double most = tolerance * std::abs(a.mean);
     return a.uncertainty && *a.uncertainty <= most && a.swing <= swing_tolerance * most;
@@ -174,6 +182,23 @@ bool settled(const convection_state<D>& state, const measured& m, double toleran
   return known_beside_a_swing(state, m, tolerance) || decided(state, m, tolerance, false);
 }
 
+// Heat that comes in at the bottom or from inside less what leaves at the top, over that which goes through; of means.
+// None where sides let heat through, or forces of the input heat.
+template <int D>
+std::optional<double> heat_imbalance(const convection_state<D>& state, const nlohmann::ordered_json& means) {
+  for (const auto& wall : state.world.walls.sides)
+    if (wall.axis != 1 && (wall.thermal == walls::heat::fixed_temperature || wall.flux != 0.0)) return {};
+  const auto& layer = state.layer;
+  const auto& f = layer.fluid;
+  const auto& c = state.input.convection;
+  double inside = layer.heating * f.L * f.L / (f.kappa * f.dT);
+  if (c.viscous_heating) inside += means["viscous_heating"].template get<double>();
+  if (c.adiabatic_heating) inside -= means["adiabatic_cooling"].template get<double>();
+  const double top = means["nusselt_top"], bottom = means["nusselt_bottom"];
+  const double through = 0.5 * (std::abs(bottom) + std::abs(top));
+  return through != 0.0 ? (bottom + inside - top) / through : 0.0;
+}
+
 template <int D>
 void report(const convection_state<D>& state, const measured& m, bool steady, run::summary& r) {
   auto& j = r.metrics;
@@ -186,8 +211,15 @@ void report(const convection_state<D>& state, const measured& m, bool steady, ru
     j[measures[k]] = a.mean;
     if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = run::or_null(a.uncertainty);
   }
+  const auto imbalance = heat_imbalance(state, j);
+  const bool balanced = !imbalance || std::abs(*imbalance) <= largest_imbalance;
+  if (steady && !balanced)
+    r.warnings.push_back(fmt::format(
+        "what is measured no longer changes, but heat in and out differ by {:.2g} %: not called steady. More particles "
+        "resolve what is thin at the walls",
+        100.0 * *imbalance));
   j["averaged_over"] = span;
-  j["steady"] = steady;
+  j["steady"] = steady && balanced;
   j["levels_left"] = state.at_start.level;
   j["mach"] = m.mach;
   j["mean_density_drift"] = m.density_drift;
@@ -205,10 +237,8 @@ void report(const convection_state<D>& state, const measured& m, bool steady, ru
   // Where the flow is steady, friction takes the work of buoyancy.
   const double friction = j["viscous_heating"], work = j["buoyancy_work"];
   j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
-  const double top = j["nusselt_top"], bottom = j["nusselt_bottom"];
-  const double through = 0.5 * (bottom + top), imbalance = through != 0.0 ? (bottom - top) / through : 0.0;
-  j["heat_imbalance"] = imbalance;
-  r.conservation = {{"mass", m.density_drift}, {"momentum", m.momentum}, {"energy", imbalance}};
+  j["heat_imbalance"] = imbalance ? nlohmann::ordered_json(*imbalance) : nlohmann::ordered_json(nullptr);
+  r.conservation = {{"mass", m.density_drift}, {"momentum", m.momentum}, {"energy", imbalance.value_or(0.0)}};
 }
 
 }  // namespace tetsuame::convection

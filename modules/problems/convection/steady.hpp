@@ -16,7 +16,7 @@ namespace tetsuame::convection {
 struct average {
   double mean = 0.0;
   std::optional<double> uncertainty = {};
-  double swing = 0.0;  // amplitude of what dies beside it, now
+  double swing = 0.0;  // amplitude of what dies beside it, now; of a mean: standard deviation of the samples
 };
 
 // Samples of several measures over time.
@@ -31,8 +31,10 @@ class record {
   std::size_t size() const { return times_.size(); }
   double last_time() const { return times_.back(); }
 
-  // Of the samples later than the last one's time less `window` (s), at least the last. Uncertainty: standard error of
-  // the means of four quarters of the window, none with fewer than eight samples.
+  // Of the samples later than the last one's time less `window` (s), at least the last. Uncertainty: the larger of the
+  // standard error of the means of four quarters of the window, and that of samples of which each is correlated with
+  // the next by ρ, (1 + ρ)/(1 - ρ) times the variance of independent ones but never more than one sample's: a flow
+  // that swings with the window's own period has quarters that agree. None with fewer than eight samples.
   average over(std::size_t measure, double window) const {
     const std::size_t end = size(), begin = std::min(first_after(last_time() - window), end - 1), n = end - begin;
     average a{mean(measure, begin, end)};
@@ -42,7 +44,18 @@ class record {
       const double part = mean(measure, begin + n * q / 4, begin + n * (q + 1) / 4) - a.mean;
       squares += part * part;
     }
-    a.uncertainty = std::sqrt(squares / (4.0 * 3.0));
+    double variance = 0.0, products = 0.0, before = 0.0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const double off = values_[measure][k] - a.mean;
+      variance += off * off;
+      products += off * before;
+      before = off;
+    }
+    const double correlation = variance > 0.0 ? std::clamp(products / variance, -0.999, 0.999) : 0.0;
+    variance /= static_cast<double>(n);
+    a.swing = std::sqrt(variance);
+    const double of_mean = (1.0 + correlation) / (1.0 - correlation) / static_cast<double>(n);
+    a.uncertainty = std::sqrt(std::max(squares / (4.0 * 3.0), variance * std::min(1.0, of_mean)));
     return a;
   }
   // What a swing about a steady state leaves when it dies: a of y = a + exp(-γ s) (b cos ω s + c sin ω s), s the time
