@@ -1,4 +1,4 @@
-// Gas with contacts and shocks: SSPH, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
+// Gas with contacts and shocks: SSPH, geometric densities, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
 #include <gas/convergence.hpp>
 #include <run/simulation.hpp>
 

@@ -1,8 +1,9 @@
 // Shape functions φ_j of a marker, f(x_m) = Σ_j φ_j f_j over fluid particles only:
-//   shepard  φ_j = W_mj / Σ_k W_mk                            exact for constants [S2]
+//   shepard  φ_j = ΔV_j W_mj / Σ_k ΔV_k W_mk                  exact for constants [S2, appendix]
 //   mls      φ_j = W_mj P_j·c,  Σ_k W_mk P_k P_kᵀ c = P(0)    P = (1, x, y, z): exact for linear fields
 //   mls2     the same with the quadratic terms in P           exact for quadratic fields
-// Volumes cancel at the start's equal spacing, so that markers do not need densities before these are known.
+// ΔV is the volume that the walls' kinematics take (wall_set::volumes), Y/p with the equation of state's p: where that
+// of Y is smoothed, its sums need what stands behind the walls. The polynomials' conditions hold without volumes.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +43,7 @@ std::array<R, terms(Order, D)> polynomial(const vec<R, D>& e) {
 // Neighbours of a marker, one a lane; R is `real`, or `single`, which holds twice as many.
 template <int D, class R = real>
 struct seen {
-  R weight;          // W_mj, times reach^D; zero in a lane without a particle
+  R weight;          // W_mj, times reach^D, of shepard ΔV_j W_mj in other units; zero in a lane without a particle
   vec<R, D> offset;  // (x_j - x_m)/reach
 };
 

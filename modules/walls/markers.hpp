@@ -116,17 +116,22 @@ struct shape_search {
   marker_rows& rows;
   kernels::any<D> kernel;  // stretched to the markers' reach, in units of that
   marker_places<R> places;
-  // Fours of numbers: the place, and of `single`, where the null particle may seem near, whether it is a particle.
+  // Fours of numbers: the place, and what the kernel is multiplied by. That is ΔV/Δx^D for Shepard's mean, else 1; and
+  // 0 of the null particle, which may seem near in `single`.
   const marker_places<R>::number* records;
 
   // all: room for the records.
   shape_search(const pairs::workspace<D>& w, const wall_set<D>& of, marker_rows& some, marker_places<R>::number* all)
       : set(of), rows(some), kernel(w.kernel), places(of.reach), records(all) {
     std::visit([]<class Kernel>(Kernel& k) { k = Kernel(1.0); }, kernel);
+    const bool by_volume = of.how.interpolation == "shepard";
+    const auto& volume = of.volumes(w.s);
+    const double cell = std::pow(w.dx, D);
     foundation::for_all(rows.listed.size(), [&](std::size_t k) {
       const std::size_t j = rows.listed[k];
       for (std::size_t a = 0; a < D; ++a) all[4 * k + a] = places.number_of(w.s.x[a][j]);
-      all[4 * k + 3] = j == w.s.null() ? 0 : 1;
+      const double factor = j == w.s.null() ? 0.0 : by_volume ? volume[j] / cell : 1.0;
+      all[4 * k + 3] = static_cast<marker_places<R>::number>(factor);
     });
   }
 };
@@ -146,7 +151,7 @@ template <int D, class R, int Order, class Kernel>
     j.offset = vec<R, D>::of([&](std::size_t a) { return search.places.offset(record[a], x[a]); });
     const R r2 = foundation::greater(foundation::dot(j.offset, j.offset), nearest);
     j.weight = kernel.value(foundation::both_roots(r2).r);
-    if constexpr (std::is_same_v<R, single>) j.weight *= record[3];
+    if constexpr (std::is_same_v<R, single> || Order == 0) j.weight *= record[3];
     sums.add(j);
     *near++ = j;
   }

@@ -80,6 +80,7 @@ struct wall_set {
   // What the walls' kinematics take for volume and density of the fluid; null: ΔV and ρ.
   particles::array *volume = nullptr, *density = nullptr;
   particles::array& volumes(particles::particles<D>& s) const { return volume != nullptr ? *volume : s.dV; }
+  const particles::array& volumes(const particles::particles<D>& s) const { return volume != nullptr ? *volume : s.dV; }
   particles::array& densities(particles::particles<D>& s) const { return density != nullptr ? *density : s.rho; }
 
   // Owned fluid near walls of no slip (slip_continuity.hpp), where somebody asks for it.

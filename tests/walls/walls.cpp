@@ -145,6 +145,45 @@ BOOST_AUTO_TEST_CASE(interpolation_at_every_marker_corners_too) {
   BOOST_TEST(check.operator()<2>("mls", quadratic<2>) > 1e-2);
 }
 
+// Shepard's mean is over volumes, [S2]'s Y/p: by sums of its own over all fluid. What a particle holds has the share of
+// its volume, so that one of four times the volume stands for four in its place; the mean of ΔV itself is Σ ΔV² W/Σ ΔV
+// W.
+BOOST_AUTO_TEST_CASE(shepard_over_unequal_volumes) {
+  const auto world = domain::communicator::world();
+  if (world.size > 1) return;  // loops over what one rank has
+  for (const std::string precision : {"double", "single"}) {
+    auto o = closed_box<2>("virtual_marker", "shepard");
+    o.kernel.precision = precision;
+    auto scene = disorder<2>(o);
+    auto& w = scene.w;
+    auto& s = w.s;
+    randomise<2>(w, s.dV, 3, 0.5, 4.0);
+    fill<2>(w, s.T, [&](std::size_t i) { return s.dV[i]; });
+    fill<2>(w, s.rho, [&](std::size_t) { return 7.0; });
+    walls::virtual_marker::kinematics(w, scene.walls);
+    const auto& kernel = std::get<kernels::quintic_spline<2>>(w.kernel);
+    double worst = 0.0, counted = 0.0, constant = 0.0;
+    for_each_wall<2>(scene, [&](std::size_t i, const auto&, const auto& marker) {
+      double volumes = 0.0, squares = 0.0, number = 0.0, sum = 0.0;
+      for (std::size_t j = 0; j < s.fluid; ++j) {
+        const double W = kernel.value(std::hypot(s.x[0][j] - marker[0], s.x[1][j] - marker[1]));
+        volumes += s.dV[j] * W;
+        squares += s.dV[j] * s.dV[j] * W;
+        number += W;
+        sum += s.dV[j] * W;
+      }
+      worst = std::max(worst, std::abs(s.T[i] / (squares / volumes) - 1.0));
+      counted = std::max(counted, std::abs(s.T[i] / (sum / number) - 1.0));
+      constant = std::max(constant, std::abs(s.rho[i] / 7.0 - 1.0));
+    });
+    // Sums of some forty positive terms; single numbers round each by 6e-8, and kernels by 90 of these (tests/schemes).
+    const double rounding = precision == "double" ? 1e-13 : 6e-6;
+    BOOST_TEST(worst <= rounding);
+    BOOST_TEST(constant <= rounding);
+    BOOST_TEST(counted > 0.05);  // the mean over numbers is another one
+  }
+}
+
 // Every side with its own slip, heat, temperature and velocity; where two or three meet, all their mirrors act.
 BOOST_AUTO_TEST_CASE(slip_and_heat_of_every_side) {
   const auto check = []<int D>(unsigned pattern) {
