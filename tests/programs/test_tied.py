@@ -66,6 +66,16 @@ class Tied(Case):
                 m = self.metrics(program, {**settings, **TIED}, LINEAR)
                 self.assertLess(abs(m["growth_rate"] / m["growth_rate_theory"] - 1), 0.003)
 
+    def test_viscosities_that_differ(self):
+        """Thin metal over thick silicate, 1 : 100, n = 32: the symmetric stress grows as theory says (measured: 0.6 %), the notes' sum does not
+        (23 %)."""
+        settings = {**box(32, 2e10), **TIED, "rti.viscosity_lower": 2e12, "kernel.name": "wendland_c6", "rti.p_top": 1e10, "output.interval": 0}
+        for program in ("disph_c", "disph_f2", "disph_n", "disph_y") if SLOW else ("disph_f",):
+            m = self.metrics(program, settings, LINEAR)
+            self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1, delta=0.01)
+        m = self.metrics("disph_f", {**settings, "viscosity.stress": "laplacian"}, LINEAR)
+        self.assertGreater(m["growth_rate"] / m["growth_rate_theory"], 1.1)
+
     def test_ranks_and_restart(self):
         for program, treatment in [("disph_y", "virtual_marker"), ("disph_c", "mirror"), ("disph_e", "virtual_marker")]:
             with self.subTest(program, walls=treatment):
