@@ -75,11 +75,13 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
       {.unit = "N/m", .minimum = 0.0, .expert = true, .meaning = "of the free surface; walls are at 90 degrees to it"});
   schema.add("flow", "alpha", o.alpha, for_expert(between(0.0, 1.0, "scheme = 'delta': of the artificial viscosity")));
   schema.add("flow", "delta", o.delta, for_expert(between(0.0, 1.0, "scheme = 'delta': of the density's diffusion")));
-  schema.add("flow", "shifting", o.shifting,
-             for_expert(between(
-                 0.0, 10.0,
-                 "how fast particles that move drift to where there are fewer, not across the "
-                 "surface; 0: they do not, and water that has lost its concentration keeps its pressure and tension")));
+  schema.add(
+      "flow", "shifting", o.shifting,
+      for_expert(between(
+          0.0, 10.0,
+          "how fast particles that move drift to where there are fewer, not across the "
+          "surface; 0: they do not, and water that has lost its concentration keeps its pressure and tension. Once "
+          "a step: with it every method of &time is of first order")));
 }
 
 void declare_blocks_around(namelist::schema& schema, flow_options& o) {

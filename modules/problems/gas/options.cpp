@@ -31,8 +31,10 @@ void declare_case(namelist::schema& schema, shock_options& s) {
   schema.add(
       "shock", "scheme", s.scheme,
       {.choices = {"ssph", "disph", "gsph", "gdisph", "remix", "gdf"},
-       .meaning = "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields; "
-                  "forces with geometric densities"});
+       .meaning =
+           "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields; "
+           "forces with geometric densities. Supports that follow the density are found once a step, which makes "
+           "every method of &time of first order"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
 }
