@@ -37,8 +37,10 @@ class problem : public run::particle_simulation<D> {
     const double dx = state_.world.w.dx, fastest = std::max(largest_viscosity(state_), layer.fluid.kappa);
     const double sound = *time.cfl * dx / std::hypot(layer.c_eff, layer.shear_speed);
     const double diffusion = *time.diffusive * dx * dx / fastest;
-    return sound < diffusion ? integrators::step_limit{sound, "sound"}
-                             : integrators::step_limit{diffusion, "diffusion"};
+    const auto stiff =
+        sound < diffusion ? integrators::step_limit{sound, "sound"} : integrators::step_limit{diffusion, "diffusion"};
+    constexpr double most = 0.1;  // spacings that a wall may go in a step
+    return layer.lid * stiff.dt > most * dx ? integrators::step_limit{most * dx / layer.lid, "walls"} : stiff;
   }
   // Euler's steps make a wave of frequency c k grow by c² k² dt/2, against which stand the friction ν k²/2 and the
   // pressure's diffusion P h c β k⁴/2 (of the noise Q on the start lattice, pass.hpp): the fastest grows by

@@ -92,6 +92,7 @@ struct parameters {
   double c_end;                        // m/s, c_eff at the end of the viscosity's ramp
   double ramp, start;                  // s, of the viscosity; so many times as high at first
   double sonic_share;                  // nu_eff = max(sonic_share c_eff dx, kappa); 0: nu_eff does not follow dx
+  double lid;                          // m/s, of the fastest wall
   double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
   // The viscous force is that of a velocity which relaxes to v; instant: no waves of shear, instant_share 1.
   bool relaxed;

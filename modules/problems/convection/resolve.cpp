@@ -73,7 +73,8 @@ void slow_for_the_steady_state(const options& o, const relaxation::choice& wante
   const double steady_mach = *o.convection.steady_mach;
   auto middle = f;  // the reference is that of the cold top
   middle.nu *= std::exp(p.law.log_middle);
-  p.c_eff = p.c_end = relaxation::stokes_speed(middle, true) / steady_mach;
+  // A flow is some six times slower than the estimate; a lid is as fast as it is.
+  p.c_eff = p.c_end = std::max(relaxation::stokes_speed(middle, true), 6.0 * p.lid) / steady_mach;
   p.sonic_share = p.law.varies ? sonic_share_varying : sonic_share;
   p.relaxed = !p.law.varies;
   p.slowing = relaxation::recommend(f, wanted);
@@ -113,7 +114,7 @@ void slow_by_rules(const relaxation::choice& wanted, parameters& p) {
 void choose_ramp(const convection_options& c, parameters& p) {
   const auto& f = p.fluid;
   const double first = relaxation::rayleigh(f) / 1000.0, of_decade = 0.033 * f.L * f.L / f.kappa;
-  const bool falls = p.relaxed && first > 1.0 && c.steady_tolerance > 0.0;
+  const bool falls = p.relaxed && first > 1.0 && c.steady_tolerance > 0.0 && p.lid == 0.0;
   p.ramp = c.viscosity_ramp.value_or(falls ? of_decade * std::log10(first) : 0.0);
   p.start = falls && p.ramp > 0.0 ? first : 1.0;
   if (p.start != 1.0)
@@ -133,6 +134,8 @@ void resolve_slowing(options& o, parameters& p) {
   p.lines.push_back(fmt::format("Ra {:.6g}, Pr {:.6g}, M_th {:.4g}, {} balances buoyancy", relaxation::rayleigh(f),
                                 relaxation::prandtl(f), relaxation::thermal_mach(f),
                                 viscous ? "viscosity" : "inertia"));
+  p.lid = 0.0;
+  for (const auto& side : o.walls.sides) p.lid = std::max(p.lid, std::abs(side.velocity));
   if (!c.steady_mach) c.steady_mach = p.law.varies ? 1.0 : 1.5;
   if (p.steady && !wanted.zeta && !wanted.xi)
     slow_for_the_steady_state(o, wanted, p);
