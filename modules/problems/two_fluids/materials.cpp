@@ -43,7 +43,12 @@ std::size_t given(const more_materials& m) {
 std::string check_name(const namelist::schema& schema, const options& o, std::size_t n) {
   const auto name = of(o.more.name, n);
   const auto fail = [&](const std::string& what) { schema.fail_at(group, "name", n, what); };
-  if (name.empty()) fail(fmt::format("group {} has none: expected what the material is called", n + 1));
+  if (name.empty())
+    schema.fail_at(group,
+                   of(o.more.viscosity, n) ? "viscosity"
+                   : of(o.more.density, n) ? "density"
+                                           : "name",
+                   n, fmt::format("the {}. &material has no name", n + 1));
   if (!std::ranges::all_of(name, namelist::is_name_character))
     fail(fmt::format("expected letters, digits and '_', found {}", namelist::quote(namelist::excerpt(name))));
   for (const auto& other : o.material)
@@ -157,7 +162,7 @@ void read_materials(const namelist::schema& schema, problem_kind kind, options& 
 void make_more_materials(const namelist::schema& schema, const options& o, parameters& p) {
   for (std::size_t n = own; n < o.material.size(); ++n) {
     const auto at_fault = [&](const std::string& what) {
-      schema.fail_at(group, o.more.eos.size() > n - own ? "eos" : "name", n - own,
+      schema.fail_at(group, o.material[n].eos == "linear" ? "name" : "eos", n - own,
                      fmt::format("of '{}': {}", o.material[n].name, what));
     };
     try {
