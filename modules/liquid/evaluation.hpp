@@ -5,7 +5,7 @@
 //
 // and has in this order
 //   1  volume     ρ, V and Y of what is carried or summed, and what the equation of state says of them
-//   2  walls      velocity, temperature, density and V behind walls; with markers f = ν∇²v + g of the fluid near them
+//   2  walls      velocity, temperature, density and V behind walls; with markers f = ν∇²v + g + K of the fluid near them
 //   3  pressure   Y behind walls, p, ΔV = Y/p; for Hosono's iteration all in one
 //   4  walls      pressure behind walls
 //   5  gradient   one sum: pressure force, continuity, viscosity, conduction
@@ -54,8 +54,8 @@ class list_of_passes {
     if (has_markers()) walls.declare_fields(s_);
     e.mirrored(walls::velocity(s_.v));
     e.mirrored(walls::temperature(s_.T));
-    e.mirrored(walls::hydrostatic(s_.Y, s_.m, box_.w.g));
-    e.mirrored(walls::hydrostatic(s_.p, s_.rho, box_.w.g));
+    e.mirrored(walls::hydrostatic(s_.Y, s_.m, box_.w));
+    e.mirrored(walls::hydrostatic(s_.p, s_.rho, box_.w));
     e.given({s_.m, s_.k});
     if (!viscosity_changes) e.given({s_.eta});
     transport_ = viscosity_changes ? passes::fields{s_.eta} : passes::fields{};
@@ -173,7 +173,7 @@ class list_of_passes {
     declare_walls(e);
     const passes::fields found{s_.rho, s_.Y, V_, material()};
     e.whole("pressure",
-            {.at_neighbours = {s_.rho, s_.T, V_, s_.Y},
+            {.at_neighbours = {s_.rho, s_.T, V_, s_.Y, passes::of_gravity(box_)},
              .writes = {s_.p, s_.dV},
              .updates = found,
              .spreads = {s_.p, s_.dV, found}},
@@ -242,7 +242,8 @@ class list_of_passes {
   // ---- walls ------------------------------------------------------------------------------
 
   passes::access kinematics() {
-    passes::access uses{.at_neighbours = {s_.v, s_.T, density_of_walls(), V_, transport_},
+    passes::access uses{.reads = passes::of_gravity(box_),
+                        .at_neighbours = {s_.v, s_.T, density_of_walls(), V_, transport_},
                         .gives = {s_.v, s_.T, density_of_walls(), V_, transport_}};
     for (auto* f : box_.walls.f)
       if (f != nullptr) uses.writes.add({*f});
@@ -299,7 +300,9 @@ class list_of_passes {
     if (slip_counts_) declare_slip(e);
     if (tied_) tie(e);
     if (tied_ && smooths) smooth_continuity(e);
-    passes::access uses{.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_}, .rates = rates};
+    passes::access uses{.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_,
+                                  passes::of_sources(box_)},
+                        .rates = rates};
     e.each("rates", uses, [this, out](std::size_t first, std::size_t last) {
       const auto to = out();
       for (std::size_t i = first; i < last; ++i) finish_rates<volume_module>(box_.w, to, i, tied_);

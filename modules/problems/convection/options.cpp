@@ -128,6 +128,11 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("initial", "perturbation", o.initial.perturbation,
              between(-1.0, 1.0, "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L)"));
   schema.add("initial", "half_waves", o.initial.half_waves, between(0, 1000, "along x"));
+  schema.add("initial", "temperature_noise", o.initial.noise,
+             between(0.0, 1.0,
+                     "b of T + b DeltaT r, r of each particle a random number between -1 and 1, by its ID and the "
+                     "seed: the same on any number of processes"));
+  schema.add("initial", "noise_seed", o.initial.noise_seed, between(0, 1000000, "of those random numbers"));
   auto& sides = o.walls.sides;
   o.walls.slip = "free_slip";
   sides[2].thermal = sides[3].thermal = "fixed";
@@ -136,6 +141,7 @@ void declare(namelist::schema& schema, options& o) {
   walls::declare(schema, {.flux = true}, o.walls);
   o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
   regions::declare(schema, of_regions, o.of_regions);
+  sources::declare(schema, {}, o.of_sources);
   run::declare(
       schema, o.common,
       {.single_pairs = true, .keeps_rate = true, .starts_from_file = true, .reads = "places and temperatures"});

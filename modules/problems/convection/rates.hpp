@@ -1,11 +1,11 @@
 // Rates of change of a weakly compressible Boussinesq fluid, sound slowed by ζ and inertia raised by ξ [S1]:
 //
 //   dx/dt = v + w
-//   dv/dt = F/ξ² + (w + a v)·G(v) + ε h |w| Q(v),  F = -G(p)/ρ₀ + ν L(v) [or the divergence of ν (∇v + ∇vᵀ + ∇·v)] + b
-//   ŷ dp/dt = -ρ₀ (c₀/ζ)² D(v) + (w + v)·G(p) + δ h c_eff Q(p) dT/dt = κ L(T) + w·G(T) + ε h |w| Q(T) + H/c_p [+ 2 ν
+//   dv/dt = F/ξ² + (w + a v)·G(v) + ε h |w| Q(v),  F = -G(p)/ρ₀ + ν L(v) [or the divergence of ν (∇v + ∇vᵀ + ∇·v)] + b + K
+//   ŷ dp/dt = -ρ₀ (c₀/ζ)² D(v) + (w + v)·G(p) + δ h c_eff Q(p) dT/dt = κ L(T) + w·G(T) + ε h |w| Q(T) + (H + J)/c_p [+ 2 ν
 //   e:e/c_p, e the rate of strain] [- T ∂b/∂T v_y/c_p]
 //
-// G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout; b: state.hpp. p is the part of the pressure
+// K, J: sources/fields.hpp. G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout; b: state.hpp. p is the part of the pressure
 // beyond that which carries T_ref; its rate is that at a place: the steady state then does not know the speed of sound.
 // a = 1 (target steady): so is that of v, and ξ follows the viscosity, ξ² = ν/ν_eff. Where one viscosity is everywhere
 // its force is then ν L(z), of a velocity that relaxes to v (docs/theory/convection.md, "Relaxed viscous response"),
@@ -86,7 +86,7 @@ double with_heat(const convection_state<D>& state, std::size_t i, double nu, dou
   const auto& laplacian_T = state.last.laplacian[unknown<D>::T];
   const double kappa = layer.fluid.kappa, c_p = layer.heat_capacity, per_c_p = 1.0 / c_p;
   const bool follows_pressure = layer.weighed && c.adiabatic_heating;
-  double released = 0.0;  // W/kg
+  double released = state.sources.heat() ? (*state.world.w.heating)[i] : 0.0;  // W/kg
   if (c.viscous_heating) released += dissipation(state, i, nu);
   if (c.adiabatic_heating) released -= buoyancy_slope(layer, s.x[1][i], s.T[i]) * s.v[1][i] * s.T[i];
   if (follows_pressure)
@@ -126,6 +126,7 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
     const auto& viscous = layer.law.varies ? last.viscous[a] : last.laplacian[layer.relaxed ? z + a : a];
     real force = nu * i(viscous.data()) - G(p, a) / f.rho, advected = 0.0;
     if (a == 1) force += buoyancy_of(state, i);
+    if (state.sources.force()) force += i(state.world.w.accelerations[a].data());
     for (std::size_t b = 0; b < D; ++b) advected += moving[b] * G(a, b);
     const real dx = v[a] + w[a];
     i.set(rate[a], dx);
@@ -144,6 +145,8 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
   }
   if (c.viscous_heating || c.adiabatic_heating)
     dT = one_by_one(i, [&](std::size_t k) { return with_heat(state, k, nu[k - i.first], dT[k - i.first]); });
+  else if (state.sources.heat())
+    dT += i(state.world.w.heating->data()) * (1.0 / layer.heat_capacity);
   set(D + T, dT);
   set(D + p, dp - f.rho * layer.c_eff * layer.c_eff * xi2 * divergence);
   double largest = 0.0;

@@ -241,7 +241,10 @@ parameters resolve(const namelist::schema& schema, options& o) {
   run::check_output(schema, o.common, o.domain, {"Viscosity", "Volume"});
   p.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
                            o.domain.dx());
+  p.sources = sources::all(schema, o.of_sources, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
   if (o.common.start.file.empty()) return p;
+  if (o.initial.noise > 0.0) schema.fail("initial", "temperature_noise", "a snapshot says how warm each particle is");
   if (p.regions.any()) schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
   if (c.levels > 0) schema.fail("convection", "levels", "a snapshot has particles of one spacing: expected 0");
   return p;
