@@ -5,13 +5,15 @@
 //
 // and has in this order
 //   1  volume     ρ, V and Y of what is carried or summed, and what the equation of state says of them
-//   2  walls      velocity, temperature, density and V behind walls; with markers f = ν∇²v + g + K of the fluid near them
+//   2  walls      velocity, temperature, density and V behind walls; with markers f = ν∇²v + g of the fluid near them
 //   3  pressure   Y behind walls, p, ΔV = Y/p; for Hosono's iteration all in one
 //   4  walls      pressure behind walls
 //   5  gradient   one sum: pressure force, continuity, viscosity, conduction
 //   6  rates
+// g with the input's forces (sources/fields.hpp).
 #pragma once
 
+#include <eos/caloric.hpp>
 #include <liquid/rates.hpp>
 #include <passes/evaluation.hpp>
 #include <volume/density_sum.hpp>
@@ -21,6 +23,9 @@
 #include <volume/y_evolution.hpp>
 
 namespace tetsuame::liquid {
+
+// Where the internal energy is integrated: what u = 0 is of it, a field of the particles.
+inline constexpr const char* start_energy = "StartInternalEnergy";
 
 template <class Program, int D>
 class list_of_passes {
@@ -35,7 +40,11 @@ class list_of_passes {
         smoothing_(o.smoothing),
         consistency_(o.consistency),
         symmetric_(o.stress == "symmetric"),
-        rule_(rule) {}
+        rule_(rule) {
+    if (!o.energy.internal()) return;
+    start_energy_ = &particles::extra(s_, start_energy);
+    for (const auto& material : of.w.materials) caloric_.emplace_back(material);
+  }
 
   // The list is not complete yet: others may follow. viscosity_changes: it is written by an earlier pass. rates: the
   // integrated fields that the last pass serves.
@@ -57,6 +66,7 @@ class list_of_passes {
     e.mirrored(walls::hydrostatic(s_.Y, s_.m, box_.w));
     e.mirrored(walls::hydrostatic(s_.p, s_.rho, box_.w));
     e.given({s_.m, s_.k});
+    if (start_energy_ != nullptr) e.remembered({*start_energy_});
     if (!viscosity_changes) e.given({s_.eta});
     transport_ = viscosity_changes ? passes::fields{s_.eta} : passes::fields{};
     declare_volume(e, how_);
@@ -91,8 +101,18 @@ class list_of_passes {
 
   // ---- volumes ----------------------------------------------------------------------------
 
+  // T of ρ and the internal energy, where that is integrated.
+  void find_temperature(passes::evaluation<D>& e) {
+    if (start_energy_ == nullptr) return;
+    e.each("volume", {.reads = {s_.rho, s_.u, *start_energy_}, .updates = {s_.T}}, [this](std::size_t i) {
+      const auto& material = caloric_[static_cast<std::size_t>(s_.material[i])];
+      s_.T[i] = material.temperature(s_.rho[i], (*start_energy_)[i] + s_.u[i]);
+    });
+  }
+
   // V = m/ρ, Y = p^ V.
   void weigh_by_density(passes::evaluation<D>& e) {
+    find_temperature(e);
     e.each("volume", {.reads = with_places({s_.rho, s_.T, s_.m}), .writes = {V_, s_.Y, material()}},
            [this](std::size_t first, std::size_t last) { volume::weights_by_density(box_.w, V_, first, last, rule_); });
   }
@@ -117,6 +137,7 @@ class list_of_passes {
   }
   void declare_volume(passes::evaluation<D>& e, volume::number_density&) {
     volumes_by_number(e, V_, s_.rho);
+    find_temperature(e);
     e.each("volume", {.reads = with_places({s_.rho, s_.T}), .writes = {material()}},
            [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last, rule_); });
     e.each("volume", {.reads = {s_.p_eos, V_}, .writes = {s_.Y}},
@@ -300,9 +321,9 @@ class list_of_passes {
     if (slip_counts_) declare_slip(e);
     if (tied_) tie(e);
     if (tied_ && smooths) smooth_continuity(e);
-    passes::access uses{.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_,
-                                  passes::of_sources(box_)},
-                        .rates = rates};
+    passes::access uses{
+        .reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_, passes::of_sources(box_)},
+        .rates = rates};
     e.each("rates", uses, [this, out](std::size_t first, std::size_t last) {
       const auto to = out();
       for (std::size_t i = first; i < last; ++i) finish_rates<volume_module>(box_.w, to, i, tied_);
@@ -346,6 +367,9 @@ class list_of_passes {
   const bool tied_ = carried != volume::carries::nothing && consistency_.ties();
   particles::particles<D>& s_ = box_.w.s;
   passes::fields transport_;
+  // J/kg, of u = 0; null: T is integrated. The materials by density and energy.
+  particles::array* start_energy_ = nullptr;
+  std::vector<eos::caloric> caloric_;
   // ΔV itself, where no pressure changes it.
   particles::array& V_ = volumes_by_pressure() ? declare_if(true, "VolumeBeforePressure", "m^D") : s_.dV;
   particles::array& heat_ = declare_if(true, "FrictionHeating", "W");

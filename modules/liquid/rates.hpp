@@ -26,14 +26,14 @@ struct rates {
   double* dlnrho = nullptr;     // 1/s
 };
 
-// Of x, v, T, u, and ρ or Y where it is carried, in this order.
+// Of x, v, T, u, and ρ or Y where it is carried, in this order. dT: where T's rate goes, if T is not among them.
 template <int D>
-rates<D> rates_in_order(std::span<double* const> rate) {
+rates<D> rates_in_order(std::span<double* const> rate, double* dT = nullptr) {
   rates<D> all;
   std::size_t n = 0;
   for (auto& component : all.dx) component = rate[n++];
   for (auto& component : all.dv) component = rate[n++];
-  all.dT = rate[n++];
+  all.dT = dT != nullptr ? dT : rate[n++];
   all.du = rate[n++];
   all.volume = n < rate.size() ? rate[n] : nullptr;
   return all;

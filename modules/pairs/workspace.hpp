@@ -71,10 +71,10 @@ struct workspace {
   std::array<const double*, D> x() const { return pointers<D>(s.x); }
   // m/s2, of particle i along axis a.
   double gravity(std::size_t a, std::size_t i) const { return gravity_varies ? accelerations[a][i] : g[a]; }
-  // m2/s2, beside uniform gravity: what the acceleration of j adds to p/ρ from there on to i.
+  // m2/s2, of gravity that varies, beside g: what the acceleration of j adds to p/ρ from there on to i.
   double forced(std::size_t j, std::size_t i) const {
     double sum = 0.0;
-    for (std::size_t a = 0; a < D && gravity_varies; ++a) sum += (accelerations[a][j] - g[a]) * (s.x[a][i] - s.x[a][j]);
+    for (std::size_t a = 0; a < D; ++a) sum += (accelerations[a][j] - g[a]) * (s.x[a][i] - s.x[a][j]);
     return sum;
   }
 

@@ -42,8 +42,7 @@ class fields {
       w.accelerations = particles::declare_vector<D>(w.s, "AccelerationFromOutside", "m/s^2", particles::role::derived);
       w.gravity_varies = true;
     }
-    if (given.heats())
-      w.heating = &particles::declare(w.s, "HeatingFromOutside", "W/kg", particles::role::derived);
+    if (given.heats()) w.heating = &particles::declare(w.s, "HeatingFromOutside", "W/kg", particles::role::derived);
     check_start();
   }
   void declare_pass(passes::evaluation<D>& e) {

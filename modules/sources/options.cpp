@@ -6,8 +6,7 @@ namespace tetsuame::sources {
 
 namespace {
 
-const std::vector<std::string> variables{"x",        "y",        "z",        "t",      "material",
-                                         "length_x", "length_y", "length_z", "spacing"};
+const std::vector<std::string> variables{"x", "y", "z", "t", "material", "length_x", "length_y", "length_z", "spacing"};
 constexpr std::array<const char*, all::number> keys{"force_x", "force_y", "force_z", "heating"};
 
 std::array<std::string, all::number> texts_of(const options& o) {

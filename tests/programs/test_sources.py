@@ -33,8 +33,8 @@ class Sources(Case):
 
     def test_uniform_forces_move_all_alike(self):
         """x = x0 + ∫∫K, in every method's order: K = a sin wt along x gives v = a (1 - cos wt)/w, x - x0 = a (t - sin(wt)/w)/w. The state
-        is uniform, so nothing else acts; t_end is 0.7 of a period. Orders are those of the methods, up to 0.15 of what the
-        steps, not small against 1/w, leave of higher ones."""
+        is uniform, so nothing else acts; t_end is 0.7 of a period. Orders are at least those of the methods, up to 0.15 of what the
+        steps, not small against 1/w, leave of higher ones; of order_2 velocities have 3: its weights are Radau's."""
         given = self.given(AT_REST + "&constants name = 'a', 'w' value = 3e4, 6.283185307179586 /\n&sources force_x = 'a*sin(w*t)' /\n")
         a, w, t = 3e4, 2 * math.pi, 0.7
         x, v = a * (t - math.sin(w * t) / w) / w, a * (1 - math.cos(w * t)) / w
@@ -51,7 +51,7 @@ class Sources(Case):
                     mass = 7000 * 1e10
                     self.assertLess(abs(m["work_of_forces"] / (0.5 * mass * v**2) - 1), 0.2 if method == "euler" else 1e-3)
                 for one in np.log2(np.array(errors[0]) / np.array(errors[1])):
-                    self.assertLess(abs(one - order), 0.15 * order)
+                    self.assertGreater(one, 0.85 * order)
 
     def test_heat_warms_at_its_rate(self):
         """Alone, J(t) gives c_V T' = J, and of a gas u' = J; exact for a J that is linear in t with a method of second order."""
@@ -113,15 +113,16 @@ class Sources(Case):
         m = self.assert_exact("rti", self.given(RTI), more, 20, [(2, 1)])["metrics"]
         self.assertNotEqual(m["work_of_forces"], 0)
         self.assertLess(abs(m["energy_residual"]), max(2 * abs(plain["energy_residual"]), 1e-4))
-        metal = 0.5 * 1.5e6**2 * 7000
-        self.assertLess(abs(m["heat_of_sources"] / (metal * 50 * 400) - 1), 0.05)  # compressed: some denser than at zero pressure
+        f = particles(self.run_program("rti", self.given(RTI), {"time.steps": 0}))
+        metal = f["Masses"][f["Material"] == 1].sum()
+        self.assertLess(abs(m["heat_of_sources"] / (metal * 50 * 400) - 1), 1e-6)
         by_letter = self.run_program("disph_f", self.given(RTI), {**more, "time.t_end": 60}).summary["metrics"]
         self.assertLess(abs(by_letter["energy_residual"]), 1e-2)
 
     def test_a_drop_of_water_moves_as_a_whole(self):
         """Free of all else, a round drop at rest follows ∫∫K(t)."""
         given = self.given("&domain length_x = 4 length_y = 4 particles_x = 40 particles_y = 40 /\n&flow start = 'drop' gravity = 0 low_x = 1 high_x = 2 "
-                           "low_y = 1 high_y = 2 strain_rate = 0 sound_speed = 20 /\n"
+                           "low_y = 1 high_y = 2 strain_rate = 1e-4 sound_speed = 20 /\n"
                            "&time t_end = 0.5 /\n&sources force_x = '2*t' force_y = 1.0 /\n")
         run = self.run_program("flow", given)
         a, b = particles(run, 0), particles(run)
@@ -130,14 +131,44 @@ class Sources(Case):
         self.assertLess(np.abs(moved[:, 1].mean() - 0.5 * 0.5**2), 1e-3)
         self.assertLess(abs(run.summary["metrics"]["energy_residual"]), 1e-2)
 
+    def test_a_tank_that_is_shaken(self):
+        """Heights at two gauges against linear theory (docs/theory/sources.md), of the first nine modes; and its period. Errors at 30 x 20: the
+        theory is of waves that are small beside depth and spacing, these rise 2 cm in water of 40 cm, 10 spacings."""
+        run = self.run_program("flow", "shaken_tank", {"domain.particles_x": 30, "domain.particles_y": 20, "time.t_end": 3.0, "output.interval": 0})
+        head, lines = run.rows("gauges.csv")
+        g = {name.split(" ")[0]: np.array([float(line[k]) for line in lines]) for k, name in enumerate(head)}
+        L, d, gravity, until, way = 1.2, 0.4, 9.81, 0.7, 0.02
+        t = np.arange(0, 3.0, 1e-3)
+        K = np.where(t < until, -0.5 * way * (math.pi / until)**2 * np.cos(math.pi * t / until), 0)
+        right = np.zeros_like(t)
+        for n in range(1, 10, 2):
+            k = n * math.pi / L
+            w = math.sqrt(gravity * k * math.tanh(k * d))
+            # eta'' = -w² eta - 4 tanh(k d)/(L k) K, by Duhamel's integral
+            phase = np.array([math.cos(k * 1.12) - math.cos(k * 0.12)])
+            kernel = np.sin(w * t) / w
+            right += phase * np.convolve(K * (-4 * math.tanh(k * d) / (L * k)), kernel)[:len(t)] * 1e-3
+        seen = np.interp(t, g["time"], g["height_2"] - g["height_1"])
+        self.assertGreater(np.abs(right).max(), 0.02)
+        self.assertLess(np.sqrt(((seen - right)**2).mean()), 0.15 * np.sqrt((right**2).mean()))
+        self.assertLess(abs(run.summary["metrics"]["energy_residual"]), 1e-3)
+        self.assert_exact("flow", "shaken_tank", {"domain.particles_x": 30, "domain.particles_y": 20, "time.steps": 60}, 25, [(3, 1)])
+
     def test_convection(self):
         """Forces that are slopes are carried by the pressure, and nothing moves; heat is that of heating in &convection."""
-        still = {"initial.perturbation": 0, "domain.particles_x": 12, "domain.particles_y": 12, "convection.levels": 0, "time.steps": 40}
-        free = self.run_program("convection", "air_1e4", {**still, "initial.perturbation": 0.05}).summary["metrics"]
-        pushed = self.run_program("convection", "air_1e4", {**still, "sources.force_x": 1e-5, "sources.force_y": "'1e-5*cos(pi*y/length_y)'"})
-        self.assertLess(pushed.summary["metrics"]["v_rms"], 1e-3 * free["v_rms"])
+        still = {"initial.perturbation": 0, "domain.particles_x": 16, "domain.particles_y": 16, "convection.levels": 0}
+        pushed = self.run_program("convection", "air_1e4", {
+            **still, "convection.rayleigh": 100, "convection.steady_tolerance": 0, "time.t_end": 600, "sources.force_x": 1e-6,
+            "sources.force_y": "'1e-6*cos(pi*y/length_y)'"})
+        f = particles(pushed)
+        x, y = f["Coordinates"].T[:2]
+        held = 1e-6 * (x - 0.05) + 1e-6 * 0.1 / math.pi * np.sin(math.pi * y / 0.1)
+        off = f["Pressure"] - held
+        self.assertLess(np.abs(off - off.mean()).max(), 2e-3 * np.abs(held).max())  # of sound that dies, 5e-4
+        self.assertLess(pushed.summary["metrics"]["v_rms"], 1e-2)
+        still["time.steps"] = 40
         by_key, by_source = (particles(self.run_program("convection", "blankenbach_1a", {**still, **how}))
-                             for how in ({"convection.heating": 1e-10}, {"sources.heating": 1e-10}))
+                             for how in ({"convection.heating": 1e-12}, {"sources.heating": 1e-12}))
         gained = np.abs(by_key["Temperature"] - 1000 * (1 - by_key["Coordinates"][:, 1] / 1e6)).max()
         np.testing.assert_allclose(by_source["Temperature"], by_key["Temperature"], atol=1e-9 * gained)
 

@@ -56,7 +56,8 @@ void declare(convection_state<D>& state, passes::evaluation<D>& e, std::function
           else
             sum_over_neighbours<D, unknown<D>::count, false>(state, rows, whole());
         });
-  e.whole("rates", {.reads = {found, unknowns, passes::of_sources(state.world)}, .rates = rates}, [&state, &e] { rates_of_change(state, e.rates()); });
+  e.whole("rates", {.reads = {found, unknowns, passes::of_sources(state.world)}, .rates = rates},
+          [&state, &e] { rates_of_change(state, e.rates()); });
   e.complete(passes::behind_walls::images);
 }
 

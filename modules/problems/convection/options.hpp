@@ -42,6 +42,7 @@ struct convection_options {
   std::string viscosity_file;                         // of the 'table' law
   double viscosity_min = 1e19, viscosity_max = 1e23;  // Pa s, of the 'melt' law
   std::string composition = "peridotitic";            // of the 'melt' law
+  std::string melt_viscosity = "suspension";          // of the 'melt' law
   double temperature_exponent = 0.0, depth_exponent = 0.0;
   std::optional<double> viscosity_ramp;  // s; not given: chosen
 
@@ -53,9 +54,9 @@ struct convection_options {
 inline constexpr double fit_radius = 3.5;
 
 struct initial_options {
-  double perturbation = 0.05;   // of the difference in temperature
-  std::int64_t half_waves = 1;  // along x
-  double noise = 0.0;           // of the difference in temperature
+  double perturbation = 0.05;      // of the difference in temperature
+  std::int64_t half_waves = 1;     // along x
+  double temperature_noise = 0.0;  // of the difference in temperature
   std::int64_t noise_seed = 1;
 };
 

@@ -1,17 +1,18 @@
 // Rates of change of a weakly compressible Boussinesq fluid, sound slowed by ζ and inertia raised by ξ [S1]:
 //
 //   dx/dt = v + w
-//   dv/dt = F/ξ² + (w + a v)·G(v) + ε h |w| Q(v),  F = -G(p)/ρ₀ + ν L(v) [or the divergence of ν (∇v + ∇vᵀ + ∇·v)] + b + K
-//   ŷ dp/dt = -ρ₀ (c₀/ζ)² D(v) + (w + v)·G(p) + δ h c_eff Q(p) dT/dt = κ L(T) + w·G(T) + ε h |w| Q(T) + (H + J)/c_p [+ 2 ν
+//   dv/dt = F/ξ² + (w + a v)·G(v) + ε h |w| Q(v),  F = -G(p)/ρ₀ + ν L(v) [or the divergence of ν (∇v + ∇vᵀ + ∇·v)] + b
+//   ŷ dp/dt = -ρ₀ (c₀/ζ)² D(v) + (w + v)·G(p) + δ h c_eff Q(p) dT/dt = κ L(T) + w·G(T) + ε h |w| Q(T) + H/c_p [+ 2 ν
 //   e:e/c_p, e the rate of strain] [- T ∂b/∂T v_y/c_p]
 //
-// K, J: sources/fields.hpp. G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout; b: state.hpp. p is the part of the pressure
+// G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout; b: state.hpp. p is the part of the pressure
 // beyond that which carries T_ref; its rate is that at a place: the steady state then does not know the speed of sound.
 // a = 1 (target steady): so is that of v, and ξ follows the viscosity, ξ² = ν/ν_eff. Where one viscosity is everywhere
 // its force is then ν L(z), of a velocity that relaxes to v (docs/theory/convection.md, "Relaxed viscous response"),
 //   ∂z/∂t = θ ∂v/∂t + (v - z)/λ      dz/dt = ∂z/∂t + (w + v)·G(z) + ε h |w| Q(z)
 // w spreads the particles evenly, w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
 // Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q: pass.hpp.
+// Beside b stands K, beside H J of the input's sources (sources/fields.hpp).
 #pragma once
 
 #include <convection/state.hpp>

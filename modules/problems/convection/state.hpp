@@ -190,9 +190,9 @@ inline bool keeps_rate(const options& o) { return o.common.time.method == "ab2";
 inline bool extrapolates(const options& o) { return o.common.time.method == "rkl2" || o.common.time.method == "rkc2"; }
 
 // Of the difference in temperature, of the particle of that ID.
-inline double temperature_noise(const initial_options& o, std::int64_t id) {
-  if (o.noise == 0.0) return 0.0;
-  return o.noise * run::random_of_particle(id, o.noise_seed).between_minus_1_and_1();
+inline double random_temperature(const initial_options& o, std::int64_t id) {
+  if (o.temperature_noise == 0.0) return 0.0;
+  return o.temperature_noise * run::random_of_particle(id, o.noise_seed).between_minus_1_and_1();
 }
 
 template <int D>
@@ -219,7 +219,7 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
              o.initial.perturbation * layer.fluid.dT *
                  std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / length[0]) *
                  std::sin(std::numbers::pi * s.x[1][i] / length[1]) +
-             temperature_noise(o.initial, s.id[i]) * layer.fluid.dT;
+             random_temperature(o.initial, s.id[i]) * layer.fluid.dT;
   if (layer.regions.any()) warm_regions(*this);
   if (!o.common.start.is_read()) return;
   run::start_from_file(o.common.start, {.motion = false}, world);

@@ -43,7 +43,9 @@ void declare_rates(water<D>& f) {
   auto& e = f.rates;
   auto& s = f.world.w.s;
   e.each("rates",
-         {.reads = {s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)}, .rates = {s.x, s.rho}, .accumulates = {s.v}},
+         {.reads = {s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)},
+          .rates = {s.x, s.rho},
+          .accumulates = {s.v}},
          [&f, &e, tense = f.has_tension()](std::size_t i) {
            const auto& w = f.world.w;
            for (std::size_t a = 0; a < D; ++a) {
@@ -77,9 +79,9 @@ void declare(water<D>& f) {
     const double scale = place ? f.dx() : velocity ? speed : angle ? 1.0 : speed / f.p.height;
     e.integrate_numbers(f.free.state[k], {fmt::format("body_{}", k), 0.0, scale});
   }
-  f.sources.account(e, speed * speed);
   if (f.has_free_bodies) e.whole("bodies", {}, [&f] { forget_accelerations(f); });
   detail::declare_state(f, e);
+  f.sources.account(e, speed * speed);
   detail::declare_forces(f, first_of_bodies);
   detail::declare_rates(f);
   e.complete(passes::behind_walls::images);

@@ -1,6 +1,6 @@
 // Water with a free surface in a box of plane walls (docs/theory/free_surface.md), as a problem of the time loop:
-//   dx/dt = v, dv/dt and dρ/dt by terms.hpp, with forces from outside (sources/fields.hpp); after each step particles drift, and what has lost its concentration its
-//   pressure (surface.hpp)
+//   dx/dt = v, dv/dt and dρ/dt by terms.hpp, with forces from outside (sources/fields.hpp); after each step particles
+//   drift, and what has lost its concentration its pressure (surface.hpp)
 #pragma once
 
 #include <free_surface/evaluation.hpp>
@@ -218,8 +218,7 @@ class flow : public run::particle_simulation<D> {
     const bool work_is_known = f_.sources.force()
                                    ? f_.moving.empty()
                                    : std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); });
-    if (work_is_known)
-      m["energy_residual"] = std::max(0.0, energy_change(now));
+    if (work_is_known) m["energy_residual"] = std::max(0.0, energy_change(now));
     m["start"] = f_.o.flow.start;
     m["sound_speed"] = f_.p.water.sound;
     m["kinetic_energy_largest"] = kinetic_most_;

@@ -147,9 +147,15 @@ class problem : public liquid::problem<D> {
     auto& s = world.w.s;
     sources_.declare(o_.sources, world, e);
     e.integrate_motion({1e-6 * world.w.dx, 1e-6, 0.0, true});
-    e.integrate(s.T, {"T", 1e-6});
+    const bool energy = o_.scheme.energy.internal();
+    passes::fields rates{s.x, s.v, s.u};
+    if (energy) {
+      e.remembered({s.T});
+    } else {
+      e.integrate(s.T, {"T", 1e-6});
+      rates.add({s.T});
+    }
     e.integrate(s.u, {"u", 1e-3});
-    passes::fields rates{s.x, s.v, s.T, s.u};
     const auto carry = [&](particles::array& field, const char* name) {
       e.integrate(field, {name, 1e-9});
       rates.add({field});
@@ -157,8 +163,10 @@ class problem : public liquid::problem<D> {
     if (scheme_->carried() == volume::carries::density) carry(s.rho, "rho");
     if (scheme_->carried() == volume::carries::weight) carry(s.Y, "Y");
     const std::size_t own = e.fields().size();
-    scheme_->declare(world, e, rates, false,
-                     [this, own] { return liquid::rates_in_order<D>(evaluation_.rates().first(own)); });
+    auto& warming = particles::declare_if(energy, s, "TemperatureRate", "K/s", particles::role::derived);
+    scheme_->declare(world, e, rates, false, [this, own, energy, &warming] {
+      return liquid::rates_in_order<D>(evaluation_.rates().first(own), energy ? warming.data() : nullptr);
+    });
     const double c = fastest_sound(o_, world);
     sources_.account(e, 1e-4 * c * c);
     e.complete(passes::behind<D>(world));

@@ -34,7 +34,8 @@ void fill_behind_walls(const fluids<D>& f, const walls::mirrored_fields& rules, 
 template <int D>
 double carried_to(const fluids<D>& f, const particles::array& p, std::size_t j, std::size_t i) {
   const auto& s = f.world.w.s;
-  return p[j] + s.rho[j] * (f.o.gravity * (s.x[1][j] - s.x[1][i]) + f.world.w.forced(j, i));
+  const double at_rest = p[j] + s.rho[j] * f.o.gravity * (s.x[1][j] - s.x[1][i]);
+  return f.world.w.gravity_varies ? at_rest + s.rho[j] * f.world.w.forced(j, i) : at_rest;
 }
 
 // The velocity is odd about the surface, or along it even where it lets slip; pressure holds fluid at rest; density,

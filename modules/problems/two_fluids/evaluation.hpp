@@ -222,10 +222,10 @@ class list_of_passes {
   }
 
   void find_rates() {
-    passes::access uses{.reads = {s_.m, s_.v, s_.p, s_.dV, s_.rho, material(), f_.force, f_.compression, f_.heat,
-                                  f_.conducted, f_.tension.force, f_.lift, f_.inertia, f_.rho_rate, f_.gain,
-                                  passes::of_sources(f_.world)},
-                        .rates = {s_.x, s_.u, f_.dissipated}};
+    passes::access uses{
+        .reads = {s_.m, s_.v, s_.p, s_.dV, s_.rho, material(), f_.force, f_.compression, f_.heat, f_.conducted,
+                  f_.tension.force, f_.lift, f_.inertia, f_.rho_rate, f_.gain, passes::of_sources(f_.world)},
+        .rates = {s_.x, s_.u, f_.dissipated}};
     (f_.has_bodies ? uses.accumulates : uses.rates).add({s_.v});
     if (has_factor(f_)) uses.reads.add({f_.follow_factor});
     if (f_.carried) uses.rates.add({s_.rho});
