@@ -4,7 +4,7 @@ those of Adams and Bashforth.
 
     ./run build && docs/figures/air_to_convection.py
 
-writes docs/figures/air_to_convection.png and prints the table of docs/studies/2026-11-27_air_to_convection.md. Runs: output/air_to_convection.
+writes docs/figures/air_to_convection.png and prints the table of docs/studies/2026-11-27_air_of_the_notes.md. Runs: output/air_to_convection.
 """
 import subprocess
 import sys

@@ -16,9 +16,10 @@ std::array<std::string, all::number> texts_of(const options& o) {
 }  // namespace
 
 void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
-  schema.group("sources",
-               "forces and heat from outside: numbers, or expressions of x, y, z (m), t (s), material (0 or 1, as in "
-               "snapshots), length_x, length_y, length_z, spacing (m), pi and &constants");
+  schema.group(
+      "sources",
+      "forces and heat from outside: numbers, or expressions of x, y, z (m), t (s), material (0, 1, ..., as in "
+      "snapshots), length_x, length_y, length_z, spacing (m), pi and &constants");
   for (std::size_t a = 0; a < 3 && of_problem.force; ++a)
     schema.add("sources", keys[a], o.force[a],
                {.unit = "m/s^2",

@@ -4,7 +4,7 @@
 //   &constants  name = 'a', 'period'  value = 0.5, 1.2 /
 //   &sources  force_x = 'a*sin(2*pi*t/period)'  heating = 'material == 0 ? 5e-12 : 0' /
 //
-// material: 0 or 1, as snapshots have it.
+// material: 0, 1, … as snapshots have it.
 #pragma once
 
 #include <regions/expression.hpp>

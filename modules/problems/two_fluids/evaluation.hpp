@@ -287,9 +287,9 @@ class list_of_passes {
     if (f_.warms) rates.add({s_.T});
     scheme_->declare(f_.world, e, rates, viscosity_changes(), [this] { return rates_of_scheme(); });
     f_.tension.declare(e);
-    passes::access uses{.reads = {s_.x, s_.v, s_.m, s_.T, s_.rho, f_.inertia, f_.tension.force,
-                                  passes::of_sources(f_.world)},
-                        .rates = {s_.u, s_.v}};
+    passes::access uses{
+        .reads = {s_.x, s_.v, s_.m, s_.T, s_.rho, f_.inertia, f_.tension.force, passes::of_sources(f_.world)},
+        .rates = {s_.u, s_.v}};
     if (f_.enthalpy) uses.rates.add({f_.content});
     e.each("rates", uses, [this](std::size_t i) { part_heat(i); });
     if (f_.dissolved) exchange_element_beside_scheme();
