@@ -10,8 +10,10 @@
 //   4  walls      pressure behind walls
 //   5  gradient   one sum: pressure force, continuity, viscosity, conduction
 //   6  rates
+// g with the input's forces (sources/fields.hpp).
 #pragma once
 
+#include <eos/caloric.hpp>
 #include <liquid/rates.hpp>
 #include <passes/evaluation.hpp>
 #include <volume/density_sum.hpp>
@@ -21,6 +23,9 @@
 #include <volume/y_evolution.hpp>
 
 namespace tetsuame::liquid {
+
+// Where the internal energy is integrated: what u = 0 is of it, a field of the particles.
+inline constexpr const char* start_energy = "StartInternalEnergy";
 
 template <class Program, int D>
 class list_of_passes {
@@ -35,7 +40,11 @@ class list_of_passes {
         smoothing_(o.smoothing),
         consistency_(o.consistency),
         symmetric_(o.stress == "symmetric"),
-        rule_(rule) {}
+        rule_(rule) {
+    if (!o.energy.internal()) return;
+    start_energy_ = &particles::extra(s_, start_energy);
+    for (const auto& material : of.w.materials) caloric_.emplace_back(material);
+  }
 
   // The list is not complete yet: others may follow. viscosity_changes: it is written by an earlier pass. rates: the
   // integrated fields that the last pass serves.
@@ -54,9 +63,10 @@ class list_of_passes {
     if (has_markers()) walls.declare_fields(s_);
     e.mirrored(walls::velocity(s_.v));
     e.mirrored(walls::temperature(s_.T));
-    e.mirrored(walls::hydrostatic(s_.Y, s_.m, box_.w.g));
-    e.mirrored(walls::hydrostatic(s_.p, s_.rho, box_.w.g));
+    e.mirrored(walls::hydrostatic(s_.Y, s_.m, box_.w));
+    e.mirrored(walls::hydrostatic(s_.p, s_.rho, box_.w));
     e.given({s_.m, s_.k});
+    if (start_energy_ != nullptr) e.remembered({*start_energy_});
     if (!viscosity_changes) e.given({s_.eta});
     transport_ = viscosity_changes ? passes::fields{s_.eta} : passes::fields{};
     declare_volume(e, how_);
@@ -91,8 +101,18 @@ class list_of_passes {
 
   // ---- volumes ----------------------------------------------------------------------------
 
+  // T of ρ and the internal energy, where that is integrated.
+  void find_temperature(passes::evaluation<D>& e) {
+    if (start_energy_ == nullptr) return;
+    e.each("volume", {.reads = {s_.rho, s_.u, *start_energy_}, .updates = {s_.T}}, [this](std::size_t i) {
+      const auto& material = caloric_[static_cast<std::size_t>(s_.material[i])];
+      s_.T[i] = material.temperature(s_.rho[i], (*start_energy_)[i] + s_.u[i]);
+    });
+  }
+
   // V = m/ρ, Y = p^ V.
   void weigh_by_density(passes::evaluation<D>& e) {
+    find_temperature(e);
     e.each("volume", {.reads = with_places({s_.rho, s_.T, s_.m}), .writes = {V_, s_.Y, material()}},
            [this](std::size_t first, std::size_t last) { volume::weights_by_density(box_.w, V_, first, last, rule_); });
   }
@@ -117,6 +137,7 @@ class list_of_passes {
   }
   void declare_volume(passes::evaluation<D>& e, volume::number_density&) {
     volumes_by_number(e, V_, s_.rho);
+    find_temperature(e);
     e.each("volume", {.reads = with_places({s_.rho, s_.T}), .writes = {material()}},
            [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last, rule_); });
     e.each("volume", {.reads = {s_.p_eos, V_}, .writes = {s_.Y}},
@@ -173,7 +194,7 @@ class list_of_passes {
     declare_walls(e);
     const passes::fields found{s_.rho, s_.Y, V_, material()};
     e.whole("pressure",
-            {.at_neighbours = {s_.rho, s_.T, V_, s_.Y},
+            {.at_neighbours = {s_.rho, s_.T, V_, s_.Y, passes::of_gravity(box_)},
              .writes = {s_.p, s_.dV},
              .updates = found,
              .spreads = {s_.p, s_.dV, found}},
@@ -242,7 +263,8 @@ class list_of_passes {
   // ---- walls ------------------------------------------------------------------------------
 
   passes::access kinematics() {
-    passes::access uses{.at_neighbours = {s_.v, s_.T, density_of_walls(), V_, transport_},
+    passes::access uses{.reads = passes::of_gravity(box_),
+                        .at_neighbours = {s_.v, s_.T, density_of_walls(), V_, transport_},
                         .gives = {s_.v, s_.T, density_of_walls(), V_, transport_}};
     for (auto* f : box_.walls.f)
       if (f != nullptr) uses.writes.add({*f});
@@ -299,7 +321,9 @@ class list_of_passes {
     if (slip_counts_) declare_slip(e);
     if (tied_) tie(e);
     if (tied_ && smooths) smooth_continuity(e);
-    passes::access uses{.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_}, .rates = rates};
+    passes::access uses{
+        .reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_, passes::of_sources(box_)},
+        .rates = rates};
     e.each("rates", uses, [this, out](std::size_t first, std::size_t last) {
       const auto to = out();
       for (std::size_t i = first; i < last; ++i) finish_rates<volume_module>(box_.w, to, i, tied_);
@@ -343,6 +367,9 @@ class list_of_passes {
   const bool tied_ = carried != volume::carries::nothing && consistency_.ties();
   particles::particles<D>& s_ = box_.w.s;
   passes::fields transport_;
+  // J/kg, of u = 0; null: T is integrated. The materials by density and energy.
+  particles::array* start_energy_ = nullptr;
+  std::vector<eos::caloric> caloric_;
   // ΔV itself, where no pressure changes it.
   particles::array& V_ = volumes_by_pressure() ? declare_if(true, "VolumeBeforePressure", "m^D") : s_.dV;
   particles::array& heat_ = declare_if(true, "FrictionHeating", "W");

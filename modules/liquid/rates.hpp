@@ -1,5 +1,5 @@
 // What the sums for liquids leave, and the rates that follow from them:
-//   Dv/Dt = F/m + g,   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt
+//   Dv/Dt = F/m + g + K,   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ + ρ J  [S2], with ∇·v = -D ln ρ/Dt
 #pragma once
 
 #include <diffusion/conduction.hpp>
@@ -18,7 +18,7 @@ template <int D>
 struct rates {
   std::array<double*, D> dx, dv;
   double* dT;
-  double* du;                   // of the internal energy gained: compression, friction, conduction
+  double* du;                   // of the internal energy gained: compression, friction, conduction, sources
   double* volume = nullptr;     // dρ/dt or dY/dt; null where nothing is carried
   double* friction = nullptr;   // W/kg; null where nobody asks
   double* conducted = nullptr;  // W, an array for conduction apart from friction; null where nobody asks
@@ -26,14 +26,14 @@ struct rates {
   double* dlnrho = nullptr;     // 1/s
 };
 
-// Of x, v, T, u, and ρ or Y where it is carried, in this order.
+// Of x, v, T, u, and ρ or Y where it is carried, in this order. dT: where T's rate goes, if T is not among them.
 template <int D>
-rates<D> rates_in_order(std::span<double* const> rate) {
+rates<D> rates_in_order(std::span<double* const> rate, double* dT = nullptr) {
   rates<D> all;
   std::size_t n = 0;
   for (auto& component : all.dx) component = rate[n++];
   for (auto& component : all.dv) component = rate[n++];
-  all.dT = rate[n++];
+  all.dT = dT != nullptr ? dT : rate[n++];
   all.du = rate[n++];
   all.volume = n < rate.size() ? rate[n] : nullptr;
   return all;
@@ -91,7 +91,8 @@ void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t
   using volume::carries;
   const auto& s = w.s;
   const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho[i], friction = out.heat[i] * per_mass;
-  const double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;
+  double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;
+  if (w.heating != nullptr) heating += (*w.heating)[i];
   for (std::size_t a = 0; a < D; ++a) {
     const double gravity = w.gravity(a, i);
     out.dx[a][i] = s.v[a][i];

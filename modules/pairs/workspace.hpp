@@ -55,9 +55,11 @@ struct workspace {
   double lattice_sum = 1.0;    // of the kernel over the start lattice, times dx^D
   cells::neighbour_list list;  // of clusters of the owned fluid
   std::array<double, D> g{};   // m/s2, uniform gravity
-  // Gravity that differs by particle, which a pass writes (gravity/gravity.hpp): m/s2.
+  // Gravity that differs by particle, which a pass writes (gravity/gravity.hpp), or with forces of the input
+  // (sources/fields.hpp): m/s2. Heat that these supply, W/kg; null: none.
   particles::vector_field<D> accelerations{};
   bool gravity_varies = false;
+  particles::array* heating = nullptr;
   std::array<double, D> frame{};  // m/s, the velocity of all together at the start, where nothing stands still
   std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
   fault first_fault;
@@ -69,6 +71,12 @@ struct workspace {
   std::array<const double*, D> x() const { return pointers<D>(s.x); }
   // m/s2, of particle i along axis a.
   double gravity(std::size_t a, std::size_t i) const { return gravity_varies ? accelerations[a][i] : g[a]; }
+  // m2/s2, of gravity that varies, beside g: what the acceleration of j adds to p/ρ from there on to i.
+  double forced(std::size_t j, std::size_t i) const {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < D; ++a) sum += (accelerations[a][j] - g[a]) * (s.x[a][i] - s.x[a][j]);
+    return sum;
+  }
 
   // The owned fluid stands in layers: clusters before `border` have neighbours among the owned fluid alone, and
   // those from `border` on have none before `core`. Both are 0 where no other rank sends ghosts to wait for.

@@ -38,6 +38,20 @@ behind_walls behind(const run::state<D>& box) {
   return stands ? behind_walls::particles : behind_walls::nothing;
 }
 
+// What rates read of gravity and of the input's sources where a pass writes them (pairs/workspace.hpp).
+template <int D>
+fields of_sources(const run::state<D>& box) {
+  fields all;
+  if (box.w.gravity_varies) all.add({box.w.accelerations});
+  if (box.w.heating != nullptr) all.add({*box.w.heating});
+  return all;
+}
+// Of gravity alone.
+template <int D>
+fields of_gravity(const run::state<D>& box) {
+  return box.w.gravity_varies ? fields{box.w.accelerations} : fields{};
+}
+
 template <int D>
 class evaluation {
  public:
@@ -86,8 +100,13 @@ class evaluation {
   // How fields go on behind mirrors; those that are not named are even.
   void mirrored(const walls::mirrored_fields& some) {
     parities_.insert(parities_.end(), some.begin(), some.end());
-    for (const auto& f : some)
-      if (f.density != nullptr) known_.image_by[f.values] = f.density;
+    for (const auto& f : some) {
+      auto& by = known_.image_by[f.values];
+      by.clear();
+      if (f.density != nullptr) by.push_back(f.density);
+      for (const field* component : f.accelerations)
+        if (component != nullptr) by.push_back(component);
+    }
   }
 
   // f(i), or f(first, last).

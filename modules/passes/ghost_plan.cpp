@@ -10,7 +10,8 @@ field_set asked_of_ghosts(const pass& p, const known_fields& known) {
   if (p.of == kind::sum || !all.empty()) insert(all, known.positions);
   const auto insert_what_images_follow_from = [&](const fields& some) {
     for (const field* f : some)
-      if (const auto by = known.image_by.find(f); by != known.image_by.end()) all.insert(by->second);
+      if (const auto by = known.image_by.find(f); by != known.image_by.end())
+        all.insert(by->second.begin(), by->second.end());
   };
   if (known.images) insert_what_images_follow_from(p.uses.at_neighbours);
   if (known.images && p.everywhere) insert_what_images_follow_from(p.uses.reads);

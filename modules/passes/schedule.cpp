@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <passes/ghost_plan.hpp>
 #include <passes/refusals.hpp>
@@ -188,7 +189,9 @@ class builder {
     step s{step::kind::images};
     const auto follows_from_known = [&](const field* f) {
       const auto by = known_.image_by.find(f);
-      return by == known_.image_by.end() || (owned_.contains(by->second) && ghosts_.contains(by->second));
+      return by == known_.image_by.end() || std::ranges::all_of(by->second, [&](const field* source) {
+               return owned_.contains(source) && ghosts_.contains(source);
+             });
     };
     const auto add = [&](const fields& some) {
       for (field* f : some)

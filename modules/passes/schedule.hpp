@@ -21,11 +21,11 @@ namespace tetsuame::passes {
 
 // What an evaluation begins with.
 struct known_fields {
-  fields integrated;                              // known of the owned particles alone
-  fields remembered;                              // as these, but with no rate
-  fields given;                                   // of ghosts and behind walls as well: they change with the lists
-  fields positions;                               // if they are integrated: sums need them
-  std::map<const field*, const field*> image_by;  // an image follows from this field of its source as well
+  fields integrated;  // known of the owned particles alone
+  fields remembered;  // as these, but with no rate
+  fields given;       // of ghosts and behind walls as well: they change with the lists
+  fields positions;   // if they are integrated: sums need them
+  std::map<const field*, std::vector<const field*>> image_by;  // an image follows from these of its source as well
   bool images = false;  // behind walls stand images, filled by parity; else only what passes give
   bool any_walls = true;
   std::function<std::string(const field*)> name;

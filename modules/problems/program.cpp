@@ -34,6 +34,14 @@ void check_precision(const namelist::schema& schema, const liquid::program& sche
                     " ends at a tolerance that sums in single precision do not have");
 }
 
+// T follows from U where the density is known without it.
+void check_energy(const namelist::schema& schema, const liquid::program& scheme, const volume::energy_options& o) {
+  if (o.internal() && (scheme.iterates || (scheme.integrates_volume && !scheme.remembers_density)))
+    schema.fail("energy", "variable",
+                std::string("expected 'temperature': ") + scheme.name +
+                    " finds densities at given temperatures, from which these would follow");
+}
+
 struct box_at_rest : problem_of_input {
   const liquid::program& scheme;
   hydrostatic::options o;
@@ -43,6 +51,7 @@ struct box_at_rest : problem_of_input {
   void complete(const namelist::schema& schema) override {
     hydrostatic::resolve(schema, o);
     check_precision(schema, scheme, o.kernel);
+    check_energy(schema, scheme, o.scheme.energy);
   }
   run::memory_need need() const override {
     return run::need_of(o.domain.lattice_particles(), o.kernel.single_pairs() ? 415.0 : 445.0, o.kernel,
@@ -73,6 +82,8 @@ struct fluids_of_input : problem_of_input {
   void complete(const namelist::schema& schema) override {
     p = two_fluids::resolve(schema, kind, o);
     if (scheme) check_precision(schema, *scheme, o.common.kernel);
+    if (o.liquid.energy.internal())
+      schema.fail("energy", "variable", "expected 'temperature': here u is the work of compression alone");
   }
   run::memory_need need() const override {
     return run::need_of(two_fluids::particles_at_start(o, p), 800.0, o.common.kernel, o.domain.dimension);

@@ -70,6 +70,16 @@ expression::expression(std::string text, const std::vector<std::string>& variabl
     parser_ = std::make_shared<parser>(text_, variables, constants);
 }
 
+bool expression::uses([[maybe_unused]] const std::vector<std::string>& variables) const {
+  if (!parser_) return false;
+#if TETSUAME_MUPARSER
+  const auto& used = parser_->of.GetUsedVar();
+  return std::ranges::any_of(variables, [&](const std::string& name) { return used.count(name) > 0; });
+#else
+  return false;
+#endif
+}
+
 double expression::at([[maybe_unused]] std::span<const double> values) const {
   if (!parser_) return number_;
 #if TETSUAME_MUPARSER

@@ -19,7 +19,9 @@ class expression {
              const std::map<std::string, double>& constants);
 
   const std::string& text() const { return text_; }
-  // By one thread at a time. May be not finite, as 1/x at 0 is.
+  // Whether its value is that of one of these variables' as well.
+  bool uses(const std::vector<std::string>& variables) const;
+  // By one thread at a time, as those of copies. May be not finite, as 1/x at 0 is.
   double at(std::span<const double> values) const;
 
  private:

@@ -30,10 +30,29 @@ std::size_t options::pieces_given() const {
   return most;
 }
 
-void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
-  schema.group("constants", "names for numbers in the expressions of &region");
+void declare(namelist::schema& schema, constants& o) {
+  schema.group("constants", "names for numbers in expressions");
   schema.add("constants", "name", o.names, {.maximum_size = 256, .meaning = "letters, digits and _"});
   schema.add("constants", "value", o.values, {.maximum_size = 256, .meaning = "of each, in SI units"});
+}
+
+std::map<std::string, double> named(const namelist::schema& schema, const constants& o,
+                                    const std::vector<std::string>& variables) {
+  if (o.names.size() != o.values.size())
+    schema.fail("constants", o.names.empty() ? "value" : "name",
+                fmt::format("{} names and {} values: expected as many", o.names.size(), o.values.size()));
+  std::map<std::string, double> all;
+  for (std::size_t n = 0; n < o.names.size(); ++n) {
+    if (std::ranges::find(variables, o.names[n]) != variables.end() || o.names[n] == "pi")
+      schema.fail("constants", "name", fmt::format("'{}' has a meaning already", o.names[n]));
+    if (!all.emplace(o.names[n], o.values[n]).second)
+      schema.fail("constants", "name", fmt::format("'{}' is given twice", o.names[n]));
+  }
+  return all;
+}
+
+void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
+  declare(schema, static_cast<constants&>(o));
   schema.group("region",
                "what the start is somewhere; may stand several times. Values are numbers, or expressions of x, y, z, "
                "length_x, length_y, length_z, spacing (m), T (K, before), pi and &constants; a later one overrides");

@@ -10,6 +10,7 @@
 // true. A region gives what is said of it; one behind it, in the order of the input, overrides it.
 #pragma once
 
+#include <map>
 #include <solids/options.hpp>
 
 namespace tetsuame::regions {
@@ -22,17 +23,26 @@ struct abilities {
   bool above_0 = true;  // temperatures, which count from where they may
 };
 
-struct options {
+// Of group &constants: names for numbers in expressions.
+struct constants {
+  std::vector<std::string> names;
+  std::vector<double> values;
+};
+
+struct options : constants {
   solids::options pieces;
   std::vector<std::string> condition, material, temperature, density, pressure, energy;
   std::array<std::vector<std::string>, 3> velocity;
-  std::vector<std::string> names;  // of the constants
-  std::vector<double> values;
 
   std::size_t pieces_given() const;
   bool any() const { return pieces_given() > 0; }
 };
 
+// With &constants.
 void declare(namelist::schema& schema, const abilities& of_problem, options& o);
+void declare(namelist::schema& schema, constants& o);
+// By name. variables: names that expressions give another meaning.
+std::map<std::string, double> named(const namelist::schema& schema, const constants& o,
+                                    const std::vector<std::string>& variables);
 
 }  // namespace tetsuame::regions

@@ -32,20 +32,6 @@ std::string of(const std::vector<std::string>& texts, std::size_t n) {
   return n < texts.size() ? texts[n] : std::string();
 }
 
-std::map<std::string, double> constants_of(const namelist::schema& schema, const options& o) {
-  if (o.names.size() != o.values.size())
-    schema.fail("constants", o.names.empty() ? "value" : "name",
-                fmt::format("{} names and {} values: expected as many", o.names.size(), o.values.size()));
-  std::map<std::string, double> all;
-  for (std::size_t n = 0; n < o.names.size(); ++n) {
-    if (std::ranges::find(variable_names, o.names[n]) != variable_names.end() || o.names[n] == "pi")
-      schema.fail("constants", "name", fmt::format("'{}' has a meaning already", o.names[n]));
-    if (!all.emplace(o.names[n], o.values[n]).second)
-      schema.fail("constants", "name", fmt::format("'{}' is given twice", o.names[n]));
-  }
-  return all;
-}
-
 // "file:line" of a key that the input gives.
 std::string place_of(const namelist::schema& schema, const abilities& of_problem) {
   std::vector<const char*> keys{"name", "shape", "condition"};
@@ -90,7 +76,7 @@ void complete(options& o) {
 all::all(const namelist::schema& schema, const abilities& of_problem, options o, int dimension,
          const std::array<double, 3>& box, double spacing)
     : box_(box), spacing_(spacing), above_0_(of_problem.above_0) {
-  const auto constants = constants_of(schema, o);
+  const auto constants = named(schema, o, variable_names);
   if (!o.any()) return;
   complete(o);
   where_ = place_of(schema, of_problem);

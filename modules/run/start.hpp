@@ -25,6 +25,17 @@ struct lattice_block {
   }
 };
 
+// Random numbers of a particle, by its ID and a seed alone: 53 bits, so that they are the same with every library.
+class random_of_particle {
+ public:
+  explicit random_of_particle(std::int64_t id, std::int64_t seed = 0)
+      : random_(static_cast<std::uint64_t>(id) + 1 + 0x9e3779b97f4a7c15 * static_cast<std::uint64_t>(seed)) {}
+  double between_minus_1_and_1() { return 2.0 * static_cast<double>(random_() >> 11) * 0x1p-53 - 1.0; }
+
+ private:
+  std::mt19937_64 random_;
+};
+
 namespace detail {
 
 // Where the particle of that ID starts, its row along each axis given: jittered, by a part of the spacing, by numbers
@@ -35,9 +46,8 @@ std::array<double, D> start_place(const lattice_block<D>& of, const std::array<s
   std::array<double, D> x;
   for (std::size_t a = 0; a < D; ++a) x[a] = of.corner[a] + (static_cast<double>(row[a]) + 0.5) * of.spacing[a];
   if (jitter == 0.0) return x;
-  std::mt19937_64 random(static_cast<std::uint64_t>(id) + 1);
-  for (std::size_t a = 0; a < D; ++a)  // 53 bits, so that it is the same with every library
-    x[a] += (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0) * jitter * of.spacing[a];
+  random_of_particle random(id);
+  for (std::size_t a = 0; a < D; ++a) x[a] += random.between_minus_1_and_1() * jitter * of.spacing[a];
   return x;
 }
 

@@ -17,6 +17,11 @@ void declare(namelist::schema& schema, options& all) {
              {.choices = {"auto", "laplacian", "symmetric"},
               .meaning = "laplacian: the notes' sum, div(eta grad v); symmetric: with the transpose of the gradient, "
                          "which viscosities that differ need; auto: symmetric where they do"});
+  schema.group("energy", "of a particle");
+  schema.add("energy", "variable", all.energy.variable,
+             {.choices = {"temperature", "internal_energy"},
+              .meaning = "which is integrated: the temperature by its own equation, or the internal energy, of which "
+                         "pairs exchange as much as they do work, and from which the temperature follows"});
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
   schema.add("smoothing", "normalise", all.smoothing.normalise,
              {.meaning = "divide by the kernel sum, which on a lattice is not quite 1"});

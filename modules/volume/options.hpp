@@ -29,9 +29,16 @@ struct consistency_options {
   bool ties() const { return name == "tied"; }
 };
 
+// Which of temperature and internal energy is integrated (docs/theory/energy_variable.md).
+struct energy_options {
+  std::string variable = "temperature";  // temperature, internal_energy
+  bool internal() const { return variable == "internal_energy"; }
+};
+
 struct options {
   std::string stress = "auto";  // viscous: laplacian, symmetric; of a run one of these
   consistency_options consistency;
+  energy_options energy;
   smoothing_options smoothing;
   hosono_options hosono;
 };

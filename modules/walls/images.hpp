@@ -56,6 +56,7 @@ struct mirrored {
   bool sticks = true;                         // velocity: at walls of no slip; else all of them let slip
   const particles::array* density = nullptr;  // hydrostatic: kg/m3, or kg
   const double* g = nullptr;                  // hydrostatic: m/s2, a number an axis, looked at when images are filled
+  std::array<const particles::array*, 3> accelerations{};  // hydrostatic: in the place of g, where sources differ
 };
 using mirrored_fields = std::vector<mirrored>;
 
@@ -89,6 +90,13 @@ template <std::size_t D>
 mirrored_fields hydrostatic(particles::array& p, const particles::array& density, const std::array<double, D>& g) {
   return {{.values = &p, .by = parity::hydrostatic, .density = &density, .g = g.data()}};
 }
+// By the gravity of the workspace, whichever it has.
+template <int D>
+mirrored_fields hydrostatic(particles::array& p, const particles::array& density, const pairs::workspace<D>& w) {
+  auto all = hydrostatic(p, density, w.g);
+  for (std::size_t a = 0; a < D && w.gravity_varies; ++a) all.front().accelerations[a] = &w.accelerations[a];
+  return all;
+}
 
 // The value of an image, by its source's. A fixed flux of heat counts as none here.
 template <int D>
@@ -114,8 +122,10 @@ double image_value(const wall_set<D>& set, const particles::particles<D>& s, con
       });
       break;
     case parity::hydrostatic:
-      for (std::size_t a = 0; a < D; ++a)
-        if (field.g[a] != 0.0) value += (*field.density)[of.j] * field.g[a] * (s.x[a][of.i] - s.x[a][of.j]);
+      for (std::size_t a = 0; a < D; ++a) {
+        const double g = field.accelerations[a] != nullptr ? (*field.accelerations[a])[of.j] : field.g[a];
+        if (g != 0.0) value += (*field.density)[of.j] * g * (s.x[a][of.i] - s.x[a][of.j]);
+      }
       break;
   }
   return value;

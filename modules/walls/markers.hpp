@@ -329,7 +329,7 @@ void sum_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const pairs::row
   for (const std::size_t a : axes)
     foundation::for_all(near.rows.size(), [&](std::size_t k) {
       double& f = (*set.f[a])[near.rows[k]];
-      f = f / s.m[near.rows[k]] + w.g[a];
+      f = f / s.m[near.rows[k]] + w.gravity(a, near.rows[k]);
     });
 }
 

@@ -117,7 +117,7 @@ struct mirror : nothing {
 
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
-    fill_images(set, w.s, hydrostatic(w.s.Y, w.s.m, w.g));
+    fill_images(set, w.s, hydrostatic(w.s.Y, w.s.m, w));
   }
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {

@@ -396,6 +396,33 @@ BOOST_AUTO_TEST_CASE(table_from_a_file) {
   BOOST_CHECK_THROW(viscosity_table::read("/nowhere/at all"), foundation::error);
 }
 
+// ln η = (1 - s) ln η_solid + s ln η_liquid, s = ½ {1 + tanh[(f - 0.4)/0.15]} [Lebrun et al. 2013 for both ends]: at
+// the table's own places, since between two of them it is bilinear.
+BOOST_AUTO_TEST_CASE(viscosity_blended_by_melt_fraction) {
+  options o;
+  const auto p = resolved(
+      "&walls temperature_top = 1700 temperature_bottom = 2300 /\n&convection viscosity_law = 'melt' melt_viscosity = "
+      "'blended' viscosity_min = 1e-3 viscosity_max = 1e25 p_top = 2e9 /",
+      o);
+  const double first = 1640.0, step = 720.0 / 512.0;
+  double low = 1e300, high = 0.0;
+  for (int k = 0; k <= 512; k += 32) {
+    const double T = first + k * step, T_s = melting::solidus(2e9),
+                 T_l = melting::liquidus(melting::composition::peridotitic, 2e9);
+    const double f = std::clamp((T - T_s) / (T_l - T_s), 0.0, 1.0), s = 0.5 * (1.0 + std::tanh((f - 0.4) / 0.15));
+    const double solid = std::log(3.8e9) + 3.5e5 / (8.31446261815324 * T),
+                 liquid = std::log(2.4e-4) + 4600.0 / (T - 1000);
+    const double right = (1.0 - s) * solid + s * liquid;
+    BOOST_TEST(p.law.table->log(T, 0.0) == right, tt::tolerance(1e-9) << "at " << T << " K");
+    low = std::min(low, f);
+    high = std::max(high, f);
+  }
+  BOOST_TEST(low == 0.0);
+  BOOST_TEST(high > 0.9);
+  options unused;
+  BOOST_CHECK_THROW(resolved("&convection melt_viscosity = 'blended' /", unused), foundation::error);
+}
+
 BOOST_AUTO_TEST_CASE(viscosity_by_melt_fraction) {
   const std::string law = "&convection viscosity_law = 'melt' viscosity_min = 1e18 viscosity_max = 1e21 p_top = 2e9 ";
   const std::string walls = "&walls temperature_top = 1700 temperature_bottom = 3500 /\n";

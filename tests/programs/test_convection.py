@@ -6,6 +6,7 @@ import shutil
 import unittest
 
 import h5py
+import numpy as np
 
 from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, SLOW, Case, outcome
 
@@ -292,6 +293,26 @@ class Convection(Case):
                 settings = {**SHORT, **size(20), "initial.perturbation": 0.2, **more}
                 whole = self.assert_exact("convection", name, settings, 40, [(2, 1), (3, 1), (None, 2)] if SLOW else [(3, 1), (None, 2)] if case == 0 else [])
                 self.assertGreater(whole["metrics"]["v_rms"], 1)
+
+    def test_random_temperatures_of_the_start(self):
+        """T = T_conductive + b DeltaT r: r between -1 and 1 with the mean 0 and the square's 1/3, each its particle's; the same on any ranks,
+        others with another seed. The means of 576 numbers are within four of their deviations."""
+        start = {**size(24), "initial.perturbation": 0, "initial.temperature_noise": 0.1, "time.steps": 0, "convection.levels": 0}
+        found = []
+        for how in ({}, {"ranks": 3}, {"seed": 2}):
+            seed = {"initial.noise_seed": how.pop("seed")} if "seed" in how else {}
+            run = self.run_program("convection", "blankenbach_1a", {**start, **seed}, **how)
+            with h5py.File(run.directory / "snapshot_0000.h5") as file:
+                order = np.argsort(file["PartType0/ParticleIDs"][:])
+                y, T = file["PartType0/Coordinates"][:][order, 1], file["PartType0/Temperature"][:][order]
+            found.append((T - 1000 * (1 - y / 1e6)) / 100)
+        np.testing.assert_array_equal(found[0], found[1])
+        self.assertGreater(np.abs(found[0] - found[2]).max(), 0.5)
+        for r in found:
+            self.assertLess(np.abs(r).max(), 1)
+            self.assertLess(abs(r.mean()), 4 * math.sqrt(1 / 3 / 576))
+            self.assertLess(abs((r**2).mean() - 1 / 3), 4 * math.sqrt(4 / 45 / 576))
+        self.assert_exact("convection", "blankenbach_1a", {**SHORT, **size(12), "initial.temperature_noise": 0.1}, 25, [(2, 1)])
 
     def test_restart_with_another_method(self):
         """&time may change: what lags goes with the method, and 'ab2' begins with a step of order 2."""

@@ -1,4 +1,4 @@
-// DT/Dt = κ∇²T on particles that stand still.
+// DT/Dt = κ∇²T + J/c on particles that stand still; J: sources/fields.hpp
 //
 //   sum         ∇²T = Σ_j 2 V F (T_i - T_j), F = W'(r)/r                                  [S2]
 //   consistent  operators/consistent.hpp
@@ -16,6 +16,7 @@
 #include <run/particle_simulation.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
+#include <sources/fields.hpp>
 
 namespace tetsuame::conduction {
 
@@ -96,10 +97,11 @@ class problem : public run::particle_simulation<D> {
 
   void report_results(double t, run::summary& r) override {
     const auto e = errors(t);
-    if (!o_.regions.any()) r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
+    if (!o_.regions.any() && !o_.sources.any()) r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
     r.metrics["reference"] = o_.reference;
     r.metrics["operator"] = o_.scheme;
     r.metrics["heat"] = e.heat;
+    sources_.tell(r.metrics);
   }
 
   void restore_globals(const output::checkpoint_globals& g) override {
@@ -165,6 +167,8 @@ class problem : public run::particle_simulation<D> {
     auto& s = world_.w.s;
     e.integrate(s.T, {.name = "T", .scale = std::abs(o_.start - o_.temperature_top())});
     e.given({s.k, s.dV, plain_, B_});
+    if (o_.sources.any()) e.given({s.x});
+    sources_.declare(o_.sources, world_, e);
     e.mirrored(walls::temperature(s.T));
     std::visit(
         [&]<class Treatment>(Treatment t) {
@@ -177,8 +181,11 @@ class problem : public run::particle_simulation<D> {
       declare_consistent(e);
     else
       declare_plain(e);
+    sources_.account(e, o_.heat_capacity * std::abs(o_.start - o_.temperature_top()));
     e.complete(passes::behind<D>(world_));
   }
+  // K/s
+  double warming(std::size_t i) const { return (*world_.w.heating)[i] / o_.heat_capacity; }
   void declare_plain(passes::evaluation<D>& e) {
     auto& s = world_.w.s;
     e.sum("conduction", {.at_neighbours = {s.T, s.k, s.dV}, .writes = {heat_}}, [this, &s](const auto& rows) {
@@ -186,8 +193,10 @@ class problem : public run::particle_simulation<D> {
                 heat_.begin() + static_cast<std::ptrdiff_t>(rows.last), 0.0);
       world_.w.sum(rows, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), heat_.data()});
     });
-    e.each("rates", {.reads = {heat_}, .rates = {s.T}},
-           [this](std::size_t i) { evaluation_.rate(0)[i] = heat_[i] / volume_; });
+    e.each("rates", {.reads = {heat_, passes::of_sources(world_)}, .rates = {s.T}}, [this](std::size_t i) {
+      evaluation_.rate(0)[i] = heat_[i] / volume_;
+      if (world_.w.heating != nullptr) evaluation_.rate(0)[i] += warming(i);
+    });
   }
   void declare_consistent(passes::evaluation<D>& e) {
     auto& s = world_.w.s;
@@ -207,7 +216,10 @@ class problem : public run::particle_simulation<D> {
             world_.w.sum(rows, term);
             if (singular) world_.w.first_fault.report(0, "particles lie so that a gradient is not determined");
           });
-    e.each("rates", {.rates = {s.T}}, [this](std::size_t i) { evaluation_.rate(0)[i] *= o_.kappa; });
+    e.each("rates", {.reads = passes::of_sources(world_), .rates = {s.T}}, [this](std::size_t i) {
+      evaluation_.rate(0)[i] *= o_.kappa;
+      if (world_.w.heating != nullptr) evaluation_.rate(0)[i] += warming(i);
+    });
   }
   // The Laplacian is odd where the temperature less the wall's is: there it is zero.
   void refresh_memory() { walls::update_ghosts_and_images(world_.w, world_.walls, walls::odd_temperature(plain_)); }
@@ -230,6 +242,7 @@ class problem : public run::particle_simulation<D> {
       particles::declare_vector_if<D>(consistent_, world_.w.s, "GradientOfT", "K/m", particles::role::derived);
   particles::array& heat_ = particles::declare_if(!consistent_, world_.w.s, "Heating", "W", particles::role::derived);
   passes::evaluation<D> evaluation_{world_};
+  sources::fields<D> sources_;
 };
 
 }  // namespace tetsuame::conduction

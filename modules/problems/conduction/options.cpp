@@ -39,7 +39,10 @@ void declare(namelist::schema& schema, options& o) {
                 .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
     walls::declare(schema, {.slips = false, .moving = false}, o.walls);
   }
+  schema.add("conduction", "heat_capacity", o.heat_capacity,
+             namelist::positive("J/(kg K)", "by which heating of &sources warms"));
   regions::declare(schema, of_regions, o.of_regions);
+  sources::declare(schema, {.force = false}, o.of_sources);
   run::declare(
       schema, o.common,
       {.single_pairs = true, .lists_change = false, .starts_from_file = true, .reads = "places and temperatures"});
@@ -53,6 +56,8 @@ void resolve(const namelist::schema& schema, options& o) {
   domain::resolve(schema, demands, o.domain);
   run::check_output(schema, o.common, o.domain, {});
   o.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
+  o.sources = sources::all(schema, o.of_sources, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
                            o.domain.dx());
   if (o.regions.any() && !o.common.start.file.empty())
     schema.fail("initial", "file", "a snapshot says what is where, and so does &region");

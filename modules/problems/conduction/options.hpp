@@ -4,6 +4,7 @@
 #include <regions/region.hpp>
 #include <run/options.hpp>
 #include <run/start.hpp>
+#include <sources/options.hpp>
 
 namespace tetsuame::conduction {
 
@@ -22,6 +23,9 @@ struct options {
   std::vector<std::string> lines;  // for the log and the terminal
   regions::options of_regions;     // as the input has them
   regions::all regions;
+  double heat_capacity = 1000.0;  // J/(kg K), of the sources' heat
+  sources::options of_sources;
+  sources::all sources;
   run::common_options common;
 
   double halo() const {  // m, what a particle, or a marker, reaches

@@ -19,6 +19,7 @@ void declare(convection_state<D>& state, passes::evaluation<D>& e, std::function
   const auto& layer = state.layer;
   const auto& f = layer.fluid;
   const double speed = layer.slowing.speed;
+  state.sources.declare(layer.sources, state.world, e);
   std::size_t k = 0;
   const auto integrate = [&](particles::array& field, const std::string& name, double scale) {
     e.integrate(field, {.name = name,
@@ -55,7 +56,8 @@ void declare(convection_state<D>& state, passes::evaluation<D>& e, std::function
           else
             sum_over_neighbours<D, unknown<D>::count, false>(state, rows, whole());
         });
-  e.whole("rates", {.reads = {found, unknowns}, .rates = rates}, [&state, &e] { rates_of_change(state, e.rates()); });
+  e.whole("rates", {.reads = {found, unknowns, passes::of_sources(state.world)}, .rates = rates},
+          [&state, &e] { rates_of_change(state, e.rates()); });
   e.complete(passes::behind_walls::images);
 }
 

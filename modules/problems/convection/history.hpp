@@ -20,8 +20,8 @@ inline constexpr double deviation_tolerance = 25.0;
 // A flow is not called steady where heat in and out differ by more of what goes through.
 inline constexpr double largest_imbalance = 0.01;
 
-// The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
-// not they heat.
+// The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy and of
+// &sources, whether or not they heat.
 inline constexpr std::array<const char*, 14> measures{"nusselt_volume",
                                                       "nusselt_top",
                                                       "nusselt_bottom",
@@ -83,6 +83,11 @@ std::array<double, 5> means_over_box(const convection_state<D>& state) {
     v2[i] = 0.0;
     for (std::size_t a = 0; a < D; ++a) v2[i] += s.v[a][i] * s.v[a][i];
     work[i] = buoyancy(layer, y, T, state.p[i]) * rising;
+    if (state.sources.force()) {
+      std::array<double, 3> x{};
+      for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
+      for (std::size_t a = 0; a < D; ++a) work[i] += state.sources.force_at(a, x) * s.v[a][i];
+    }
     cooling[i] = buoyancy_slope(layer, y, T) * rising * T;
   });
   return mean_over_box(state.world, state.at_start.particles, all);

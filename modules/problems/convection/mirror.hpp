@@ -1,7 +1,7 @@
 // What images hold: the state before each evaluation, what lags behind, of ghosts too, when that moves on.
 //
 // Walls are mirror images (walls/mirror.hpp). p is even but for the step that the momentum balance asks for,
-//   p_g = p_s - 2 d ∂p/∂n,  ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ - ∇·v)·∇ν]_n + b n_y)
+//   p_g = p_s - 2 d ∂p/∂n,  ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ - ∇·v)·∇ν]_n + b n_y + K_n)
 // and of z they ask what they ask of v.
 #pragma once
 
@@ -42,6 +42,12 @@ double pressure_slope(const convection_state<D>& state, const walls::side<D>& wa
   if (wall.axis == 1)
     slope +=
         0.5 * rho * wall.inward * (buoyancy(layer, inside.y, T_inside, p_inside) + buoyancy(layer, y, T, p_inside));
+  if (state.sources.force()) {
+    std::array<double, 3> at_wall{};
+    for (std::size_t a = 0; a < D; ++a) at_wall[a] = state.fluid().x[a][source];
+    at_wall[wall.axis] = wall.position;
+    slope += rho * wall.inward * state.sources.force_at(wall.axis, at_wall);
+  }
   return slope;
 }
 

@@ -83,6 +83,11 @@ void declare_viscosity(namelist::schema& schema, convection_options& o) {
   const auto limit = [&](const char* key, double& value, const char* meaning) {
     schema.add(g, key, value, for_expert(positive("Pa s", meaning)));
   };
+  schema.add(g, "melt_viscosity", o.melt_viscosity,
+             {.choices = {"suspension", "blended"},
+              .expert = true,
+              .meaning = "law 'melt': of Lebrun et al., or its logarithm from solid to liquid by tanh of the melt "
+                         "fraction"});
   limit("viscosity_min", o.viscosity_min, "law 'melt': the viscosity is not below this");
   limit("viscosity_max", o.viscosity_max, "law 'melt': nor above this");
   schema.add(g, "viscosity_ramp", o.viscosity_ramp,
@@ -128,6 +133,11 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("initial", "perturbation", o.initial.perturbation,
              between(-1.0, 1.0, "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L)"));
   schema.add("initial", "half_waves", o.initial.half_waves, between(0, 1000, "along x"));
+  schema.add("initial", "temperature_noise", o.initial.temperature_noise,
+             between(0.0, 1.0,
+                     "b of T + b DeltaT r, r of each particle a random number between -1 and 1, by its ID and the "
+                     "seed: the same on any number of processes"));
+  schema.add("initial", "noise_seed", o.initial.noise_seed, between(0, 1000000, "of those random numbers"));
   auto& sides = o.walls.sides;
   o.walls.slip = "free_slip";
   sides[2].thermal = sides[3].thermal = "fixed";
@@ -136,6 +146,7 @@ void declare(namelist::schema& schema, options& o) {
   walls::declare(schema, {.flux = true}, o.walls);
   o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
   regions::declare(schema, of_regions, o.of_regions);
+  sources::declare(schema, {}, o.of_sources);
   run::declare(
       schema, o.common,
       {.single_pairs = true, .keeps_rate = true, .starts_from_file = true, .reads = "places and temperatures"});

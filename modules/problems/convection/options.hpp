@@ -2,6 +2,7 @@
 //   &convection  numbers that override the dimensional values, slowing, density, scheme
 //   &initial     perturbation, half_waves, file
 //   &region, &constants   temperatures of the start (regions/options.hpp)
+//   &sources     forces beside buoyancy, heat beside that from inside (sources/options.hpp)
 //   &walls       walls/options.hpp
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
@@ -14,6 +15,7 @@
 #include <run/lists.hpp>
 #include <run/options.hpp>
 #include <run/simulation.hpp>
+#include <sources/options.hpp>
 
 namespace tetsuame::convection {
 
@@ -40,6 +42,7 @@ struct convection_options {
   std::string viscosity_file;                         // of the 'table' law
   double viscosity_min = 1e19, viscosity_max = 1e23;  // Pa s, of the 'melt' law
   std::string composition = "peridotitic";            // of the 'melt' law
+  std::string melt_viscosity = "suspension";          // of the 'melt' law
   double temperature_exponent = 0.0, depth_exponent = 0.0;
   std::optional<double> viscosity_ramp;  // s; not given: chosen
 
@@ -51,8 +54,10 @@ struct convection_options {
 inline constexpr double fit_radius = 3.5;
 
 struct initial_options {
-  double perturbation = 0.05;   // of the difference in temperature
-  std::int64_t half_waves = 1;  // along x
+  double perturbation = 0.05;      // of the difference in temperature
+  std::int64_t half_waves = 1;     // along x
+  double temperature_noise = 0.0;  // of the difference in temperature
+  std::int64_t noise_seed = 1;
 };
 
 inline const regions::abilities of_regions{.temperature = true, .above_0 = false};
@@ -63,6 +68,7 @@ struct options {
   convection_options convection;
   initial_options initial;
   regions::options of_regions;
+  sources::options of_sources;
   walls::options walls;
   run::common_options common;
 
@@ -73,6 +79,7 @@ struct options {
 // What the run computes with, all SI; the slowing is that of the present lattice and viscosity.
 struct parameters {
   regions::all regions;
+  sources::all sources;
   relaxation::fluid_layer fluid;
   double T_bottom;       // K
   double conductivity;   // W/(m K)

@@ -12,6 +12,7 @@
 //   ∂z/∂t = θ ∂v/∂t + (v - z)/λ      dz/dt = ∂z/∂t + (w + v)·G(z) + ε h |w| Q(z)
 // w spreads the particles evenly, w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
 // Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q: pass.hpp.
+// Beside b stands K, beside H J of the input's sources (sources/fields.hpp).
 #pragma once
 
 #include <convection/state.hpp>
@@ -86,7 +87,7 @@ double with_heat(const convection_state<D>& state, std::size_t i, double nu, dou
   const auto& laplacian_T = state.last.laplacian[unknown<D>::T];
   const double kappa = layer.fluid.kappa, c_p = layer.heat_capacity, per_c_p = 1.0 / c_p;
   const bool follows_pressure = layer.weighed && c.adiabatic_heating;
-  double released = 0.0;  // W/kg
+  double released = state.sources.heat() ? (*state.world.w.heating)[i] : 0.0;  // W/kg
   if (c.viscous_heating) released += dissipation(state, i, nu);
   if (c.adiabatic_heating) released -= buoyancy_slope(layer, s.x[1][i], s.T[i]) * s.v[1][i] * s.T[i];
   if (follows_pressure)
@@ -126,6 +127,7 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
     const auto& viscous = layer.law.varies ? last.viscous[a] : last.laplacian[layer.relaxed ? z + a : a];
     real force = nu * i(viscous.data()) - G(p, a) / f.rho, advected = 0.0;
     if (a == 1) force += buoyancy_of(state, i);
+    if (state.sources.force()) force += i(state.world.w.accelerations[a].data());
     for (std::size_t b = 0; b < D; ++b) advected += moving[b] * G(a, b);
     const real dx = v[a] + w[a];
     i.set(rate[a], dx);
@@ -144,6 +146,8 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
   }
   if (c.viscous_heating || c.adiabatic_heating)
     dT = one_by_one(i, [&](std::size_t k) { return with_heat(state, k, nu[k - i.first], dT[k - i.first]); });
+  else if (state.sources.heat())
+    dT += i(state.world.w.heating->data()) * (1.0 / layer.heat_capacity);
   set(D + T, dT);
   set(D + p, dp - f.rho * layer.c_eff * layer.c_eff * xi2 * divergence);
   double largest = 0.0;

@@ -25,6 +25,7 @@ void refuse_unused(const namelist::schema& schema, const convection_options& c) 
   only_for(weighed || melt, "gravity_density = 'equation_of_state'", "p_top", c.p_top != 0.0);
   only_for(table, "viscosity_law = 'table'", "viscosity_file", !c.viscosity_file.empty());
   only_for(melt, "viscosity_law = 'melt'", "composition", c.composition != initially.composition);
+  only_for(melt, "viscosity_law = 'melt'", "melt_viscosity", c.melt_viscosity != initially.melt_viscosity);
   only_for(melt, "viscosity_law = 'melt'", "viscosity_min", c.viscosity_min != initially.viscosity_min);
   only_for(melt, "viscosity_law = 'melt'", "viscosity_max", c.viscosity_max != initially.viscosity_max);
   if ((c.viscosity_law == "constant" || table || melt) && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
@@ -241,7 +242,11 @@ parameters resolve(const namelist::schema& schema, options& o) {
   run::check_output(schema, o.common, o.domain, {"Viscosity", "Volume"});
   p.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
                            o.domain.dx());
+  p.sources = sources::all(schema, o.of_sources, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
   if (o.common.start.file.empty()) return p;
+  if (o.initial.temperature_noise > 0.0)
+    schema.fail("initial", "temperature_noise", "a snapshot says how warm each particle is");
   if (p.regions.any()) schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
   if (c.levels > 0) schema.fail("convection", "levels", "a snapshot has particles of one spacing: expected 0");
   return p;

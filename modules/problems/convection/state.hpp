@@ -10,6 +10,7 @@
 #include <particles/named_fields.hpp>
 #include <regions/apply.hpp>
 #include <run/start_from_file.hpp>
+#include <sources/fields.hpp>
 
 namespace tetsuame::convection {
 
@@ -168,6 +169,7 @@ struct convection_state {
   particles::array* viscosity_root = nullptr;
   particles::array* own_viscosity = nullptr;
   sums<D> last;
+  sources::fields<D> sources;
 
   step_start start;
   double displacing = 0.0;  // m/s, the largest speed of a particle with its shift, in the last evaluation
@@ -186,6 +188,12 @@ inline bool keeps_rate(const options& o) { return o.common.time.method == "ab2";
 // Of all stages of these the rate at the start has the largest weight, -1.1 to -1.9: with what lags extrapolated to the
 // middle of the step they keep their second order (docs/theory/convection.md).
 inline bool extrapolates(const options& o) { return o.common.time.method == "rkl2" || o.common.time.method == "rkc2"; }
+
+// Of the difference in temperature, of the particle of that ID.
+inline double random_temperature(const initial_options& o, std::int64_t id) {
+  if (o.temperature_noise == 0.0) return 0.0;
+  return o.temperature_noise * run::random_of_particle(id, o.noise_seed).between_minus_1_and_1();
+}
 
 template <int D>
 convection_state<D>::convection_state(const options& o, const parameters& p_of_input)
@@ -210,7 +218,8 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
     s.T[i] = reference_temperature(layer, s.x[1][i]) +
              o.initial.perturbation * layer.fluid.dT *
                  std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / length[0]) *
-                 std::sin(std::numbers::pi * s.x[1][i] / length[1]);
+                 std::sin(std::numbers::pi * s.x[1][i] / length[1]) +
+             random_temperature(o.initial, s.id[i]) * layer.fluid.dT;
   if (layer.regions.any()) warm_regions(*this);
   if (!o.common.start.is_read()) return;
   run::start_from_file(o.common.start, {.motion = false}, world);

@@ -116,7 +116,7 @@ std::vector<double> evenly(double first, double last, std::size_t steps) {
   return all;
 }
 
-// Melt fraction f between solidus and liquidus, a suspension (melting/melting.hpp).
+// Melt fraction f between solidus and liquidus, and the viscosity by it (melting/melting.hpp).
 viscosity_table by_melt(const options& o, const parameters& p) {
   const auto& c = o.convection;
   const auto kind =
@@ -128,7 +128,9 @@ viscosity_table by_melt(const options& o, const parameters& p) {
   return {evenly(coldest, hottest, 512), evenly(0.0, p.fluid.L, 256), [&](double T, double depth) {
             const double P = pressure_at(o, p, depth);
             const double f = melting::melt_fraction(T, melting::solidus(P), melting::liquidus(kind, P));
-            return std::clamp(melting::suspension_viscosity(T, f), c.viscosity_min, c.viscosity_max);
+            const double eta =
+                c.melt_viscosity == "blended" ? melting::blended_viscosity(T, f) : melting::suspension_viscosity(T, f);
+            return std::clamp(eta, c.viscosity_min, c.viscosity_max);
           }};
 }
 

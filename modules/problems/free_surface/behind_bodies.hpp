@@ -139,6 +139,7 @@ void take_from_markers(water<D>& f) {
     std::array<double, D + 3> values;
     for (std::size_t a = 0; a < D; ++a) values[a] = s.v[a][j];
     values[D] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
+    if (w.gravity_varies) values[D] += s.rho[j] * w.forced(j, i);
     if (const auto* b = f.mover(s.material[i])) {
       const auto u = velocity_of_body(f, *b, j, i);
       for (std::size_t a = 0; a < D; ++a) values[a] -= u[a];

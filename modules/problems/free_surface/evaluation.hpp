@@ -15,10 +15,11 @@ template <int D>
 void declare_state(water<D>& f, passes::evaluation<D>& e) {
   auto& s = f.world.w.s;
   e.given({s.m});
+  f.sources.declare_pass(e);
   e.each("pressure", {.reads = {s.rho, s.m, s.v}, .writes = {s.p, s.dV, f.viscous_velocity}},
          [&f](std::size_t first, std::size_t last) { find_own(f, first, last); });
   const passes::fields all{s.v, s.rho, s.p, s.dV, f.viscous_velocity};
-  e.walls("walls", {.at_neighbours = all, .gives = all}, [&f] { mirror(f); });
+  e.walls("walls", {.at_neighbours = {all, passes::of_gravity(f.world)}, .gives = all}, [&f] { mirror(f); });
 }
 
 // What the sums leave of the surface's tension and of free bodies.
@@ -42,7 +43,9 @@ void declare_rates(water<D>& f) {
   auto& e = f.rates;
   auto& s = f.world.w.s;
   e.each("rates",
-         {.reads = {s.v, s.m, f.force, f.density_rate, f.tension}, .rates = {s.x, s.rho}, .accumulates = {s.v}},
+         {.reads = {s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)},
+          .rates = {s.x, s.rho},
+          .accumulates = {s.v}},
          [&f, &e, tense = f.has_tension()](std::size_t i) {
            const auto& w = f.world.w;
            for (std::size_t a = 0; a < D; ++a) {
@@ -66,6 +69,7 @@ void declare(water<D>& f) {
   auto& s = f.world.w.s;
   auto& e = f.rates;
   const double speed = 0.1 * f.p.water.sound;
+  f.sources.declare(f.p.sources, f.world);
   e.integrate_motion({0.0, 0.0, speed});
   const std::size_t first_of_bodies = 1 + e.integrate(s.rho, {"rho", 0.0, 0.01 * f.o.flow.density});
   // Of bodies displacements, velocities, angles, spins; for those of a spacing and more.
@@ -77,6 +81,7 @@ void declare(water<D>& f) {
   }
   if (f.has_free_bodies) e.whole("bodies", {}, [&f] { forget_accelerations(f); });
   detail::declare_state(f, e);
+  f.sources.account(e, speed * speed);
   detail::declare_forces(f, first_of_bodies);
   detail::declare_rates(f);
   e.complete(passes::behind_walls::images);

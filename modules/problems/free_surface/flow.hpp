@@ -1,6 +1,6 @@
 // Water with a free surface in a box of plane walls (docs/theory/free_surface.md), as a problem of the time loop:
-//   dx/dt = v, dv/dt and dρ/dt by terms.hpp; after each step particles drift, and what has lost its concentration its
-//   pressure (surface.hpp)
+//   dx/dt = v, dv/dt and dρ/dt by terms.hpp, with forces from outside (sources/fields.hpp); after each step particles
+//   drift, and what has lost its concentration its pressure (surface.hpp)
 #pragma once
 
 #include <free_surface/evaluation.hpp>
@@ -215,14 +215,17 @@ class flow : public run::particle_simulation<D> {
     r.conservation = {{"mass", now.mass / first_->mass - 1.0}, {"energy", energy_change(now)}};
     auto& m = r.metrics;
     // The water's energy falls by friction; what it gains while nobody works on it is made by the sums.
-    if (std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); }))
-      m["energy_residual"] = std::max(0.0, energy_change(now));
+    const bool work_is_known = f_.sources.force()
+                                   ? f_.moving.empty()
+                                   : std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); });
+    if (work_is_known) m["energy_residual"] = std::max(0.0, energy_change(now));
     m["start"] = f_.o.flow.start;
     m["sound_speed"] = f_.p.water.sound;
     m["kinetic_energy_largest"] = kinetic_most_;
     const double weight = now.mass * f_.gravity() * f_.p.height;
     m["kinetic_energy_over_mgh"] = run::or_null(weight > 0.0 ? std::optional(now.kinetic / weight) : std::nullopt);
-    if (is_still(f_.o, f_.p)) m["hydrostatic_error"] = hydrostatic_error(f_);
+    f_.sources.tell(m);
+    if (is_still(f_.o, f_.p) && !f_.sources.force()) m["hydrostatic_error"] = hydrostatic_error(f_);
     report_exact(t, m);
     report_gauges(m);
   }
@@ -284,7 +287,7 @@ class flow : public run::particle_simulation<D> {
   double energy_change(const energies& now) const {
     const double weight = now.mass * f_.gravity() * f_.p.height;
     const double scale = (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface;
-    return (now.mechanical() - first_->mechanical()) / scale;
+    return (now.mechanical() - first_->mechanical() - f_.sources.work_of_forces()) / scale;
   }
 
   void report_exact(double t, nlohmann::ordered_json& m) const {

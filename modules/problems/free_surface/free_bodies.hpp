@@ -133,6 +133,14 @@ std::array<bool, solids::rigid<D>::turns> held_turns(const water<D>& f, std::siz
   return held;
 }
 
+// m/s2, where its centre is.
+template <int D>
+solids::point<D> gravity_on(const water<D>& f, const moving_body<D>& b) {
+  point x{};
+  for (std::size_t a = 0; a < D; ++a) x[a] = b.rate.centre[a];
+  return solids::point<D>::of([&](std::size_t a) { return f.world.w.g[a] + f.sources.force_at(a, x); });
+}
+
 // Collective, after the water's sums, for which free bodies had no acceleration but that of their spin: their
 // acceleration, and the sums of the water beside bodies with it. What it does to each body then.
 template <int D>
@@ -147,11 +155,10 @@ std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
   const auto before = loads_on(f, bodies, about);
   find_responses(f);
   const auto added = find_added_masses(f);
-  const auto gravity = solids::point<D>::of([&](std::size_t a) { return f.world.w.g[a]; });
   std::size_t n = 0;
   for (auto& b : f.moving) {
     if (!b.free) continue;
-    const auto A = b.free->acceleration(b.now.turned, gravity, {before[n].force, before[n].moment}, added[n],
+    const auto A = b.free->acceleration(b.now.turned, gravity_on(f, b), {before[n].force, before[n].moment}, added[n],
                                         held_turns(f, b.body));
     b.rate.acceleration = A.linear;
     b.rate.angular_acceleration = A.turning;
@@ -183,7 +190,7 @@ void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, 
     if (!b.free) continue;
     for (std::size_t a = 0; a < D; ++a) {
       rate[a][n] = b.rate.velocity[a];
-      rate[D + a][n] = loads[n].force[a] / b.free->mass + f.world.w.g[a];
+      rate[D + a][n] = loads[n].force[a] / b.free->mass + gravity_on(f, b)[a];
     }
     const auto& w = b.rate.angular;
     if constexpr (D == 2) {

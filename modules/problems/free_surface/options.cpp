@@ -225,6 +225,8 @@ void check_tension(const namelist::schema& schema, const options& o, const param
 void resolve_start(const namelist::schema& schema, const options& o, parameters& p) {
   p.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
                            o.domain.dx());
+  p.sources = sources::all(schema, o.of_sources, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
   using regions::what;
   if (p.regions.any() && !o.common.start.file.empty())
     schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
@@ -263,6 +265,7 @@ void declare(namelist::schema& schema, options& o) {
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true, .bodies = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
   regions::declare(schema, of_regions, o.of_regions);
+  sources::declare(schema, {.heating = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
                 .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"},

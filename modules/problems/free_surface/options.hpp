@@ -5,6 +5,7 @@
 //   &walls    slip and no slip; an open top
 //   &solids   bodies of any shape; &motions: how they move (solids/options.hpp)
 //   &region, &constants   where blocks have no water, and what the start is somewhere (regions/options.hpp)
+//   &sources  forces from outside, as those in a tank that is shaken (sources/options.hpp)
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
@@ -17,6 +18,7 @@
 #include <rigid/motion.hpp>
 #include <run/options.hpp>
 #include <solids/options.hpp>
+#include <sources/options.hpp>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -73,6 +75,7 @@ struct options {
   solids::options solids;
   solids::motion_options motions;
   regions::options of_regions;
+  sources::options of_sources;
   run::common_options common;
 
   bool open_top() const { return walls.sides[3].slip == "free_surface"; }
@@ -116,6 +119,7 @@ struct parameters {
   std::vector<force_gauge> force;
   std::vector<std::size_t> motion;  // bodies whose motion is read
   regions::all regions;
+  sources::all sources;
 
   template <int D>
   const std::vector<solids::body<D>>& bodies_in() const {

@@ -19,7 +19,7 @@ void fill_images(water<D>& f, std::size_t first, std::size_t last) {
   const auto& walls = f.world.walls;
   walls::fill_image_range(walls, s, first, last, walls::velocity(s.v, false));
   walls::fill_image_range(walls, s, first, last, walls::even({&s.rho, &s.dV}));
-  walls::fill_image_range(walls, s, first, last, walls::hydrostatic(s.p, s.rho, f.world.w.g));
+  walls::fill_image_range(walls, s, first, last, walls::hydrostatic(s.p, s.rho, f.world.w));
   if (f.two_velocities) walls::fill_image_range(walls, s, first, last, walls::velocity(f.viscous_velocity));
 }
 
@@ -31,6 +31,7 @@ void mirror(water<D>& f) {
   walls::move_images(walls, f.world.w.s);
   fill_images(f, 0, walls.images_of_fluid);
   if (!walls.bodies.any()) return;
+  f.sources.write_behind_walls();
   fill_bodies(f);
   fill_images(f, walls.images_of_fluid, walls.source.size());
 }

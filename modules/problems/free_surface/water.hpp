@@ -7,6 +7,7 @@
 #include <passes/evaluation.hpp>
 #include <rigid/contact.hpp>
 #include <run/start.hpp>
+#include <sources/fields.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -65,6 +66,8 @@ struct water : rigid::bodies<D> {
   particles::array& eigenvalue = field(true, "Eigenvalue", "1");
   particles::array& least_near = field(true, "LeastEigenvalueNear", "1");
   particles::array& covered = field(true, "Covered", "1");
+
+  sources::fields<D> sources = {};
 
   // Of dy/dt; of what follows from the state alone, as of now.
   passes::evaluation<D> rates{world}, present{world};

@@ -4,7 +4,7 @@
 // then gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the kernels' corrections (REMIX), the moments
 // of gradients by an integral, or the factor of geometric densities; forces and power, with artificial viscosity or
 // Riemann problems; and
-//   dx/dt = v, dv/dt = F/m, du/dt = power/m, dα/dt or dρ/dt where these are integrated
+//   dx/dt = v, dv/dt = F/m + g + K, du/dt = power/m + J, dα/dt or dρ/dt where these are integrated
 #pragma once
 
 #include <fmt/format.h>
@@ -118,10 +118,12 @@ class list_of_passes {
   // Needs the scales of the start.
   void declare() {
     const double speed = g_.speed_scale;
+    g_.sources.declare(g_.o.sources, g_, e);
     e.integrate_motion({0.0, 0.0, speed});
     u_ = e.integrate(s_.u, {"u", 0.0, speed * speed});
     if (g_.o.has_alpha()) extra_ = e.integrate(g_.alpha, {"alpha", 0.0, 1.0});
     if (g_.evolves_density) extra_ = e.integrate(g_.evolved, {"density", 0.0, g_.density_scale});
+    g_.sources.account(e, speed * speed);
     densities.remembered_motion();
     densities.remembered({s_.u});
     for (auto* list : {&e, &densities}) {
@@ -280,7 +282,8 @@ class list_of_passes {
     e.sum("forces", uses, forces_of(g_));
   }
   void find_rates() {
-    passes::access uses{.reads = {s_.m, s_.v, s_.c, g_.force, g_.power, g_.density_rate, g_.divergence, g_.S, g_.alpha},
+    passes::access uses{.reads = {s_.m, s_.v, s_.c, g_.force, g_.power, g_.density_rate, g_.divergence, g_.S, g_.alpha,
+                                  passes::of_sources<D>(g_)},
                         .rates = {s_.x, s_.v, s_.u}};
     if (g_.o.has_alpha()) uses.rates.add({g_.alpha});
     if (g_.evolves_density) uses.rates.add({g_.evolved});
@@ -293,6 +296,7 @@ class list_of_passes {
       rate(D, a)[i] = g_.force[a][i] / s_.m[i] + g_.w.gravity(a, i);
     }
     rate(u_)[i] = g_.power[i] / s_.m[i];
+    if (g_.w.heating != nullptr) rate(u_)[i] += (*g_.w.heating)[i];
     if (g_.evolves_density) rate(extra_)[i] = g_.density_rate[i];
     if (g_.o.has_alpha())
       rate(extra_)[i] = schemes::alpha_rate(g_.alpha[i], q.alpha_min, q.alpha, g_.divergence[i], s_.c[i],

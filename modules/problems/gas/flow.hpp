@@ -197,8 +197,9 @@ class flow : public run::particle_simulation<D> {
     const totals<D> now = sum_up(g_);
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum_change(g_, now, *first_)},
-                      {"energy", now.energy() / first_->energy() - 1.0}};
-    r.metrics["energy_residual"] = (now.energy() - first_->energy()) / first_->scale();
+                      {"energy", (now.energy() - g_.sources.supplied()) / first_->energy() - 1.0}};
+    r.metrics["energy_residual"] = (now.energy() - first_->energy() - g_.sources.supplied()) / first_->scale();
+    g_.sources.tell(r.metrics);
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
     for (const auto& [name, value] : g_.test.known) r.metrics[name] = run::or_null(value);

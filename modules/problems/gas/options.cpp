@@ -179,6 +179,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
   regions::declare(schema, of_regions, o.of_regions);
+  sources::declare(schema, {}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
                 .kernels = {"quintic", "wendland_c4"},
@@ -346,6 +347,8 @@ void choose_precision(const namelist::schema& schema, options& o) {
 
 void resolve_regions(const namelist::schema& schema, options& o) {
   o.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
+  o.sources = sources::all(schema, o.of_sources, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
                            o.domain.dx());
   using regions::what;
   const auto& r = o.regions;

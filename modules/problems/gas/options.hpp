@@ -2,6 +2,7 @@
 //   &domain   dimension, length_*, particles_*, periodic_*, ranks_x
 //   &shock    test, scheme, state and material on either side, viscosity, Riemann solver, reconstruction
 //   &region, &constants   what the start is somewhere (regions/options.hpp)
+//   &sources  forces and heat from outside (sources/options.hpp)
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
@@ -11,6 +12,7 @@
 #include <regions/region.hpp>
 #include <run/lists.hpp>
 #include <run/options.hpp>
+#include <sources/options.hpp>
 
 namespace tetsuame::gas {
 
@@ -52,6 +54,8 @@ struct options {
   shock_options shock;
   regions::options of_regions;  // as the input has them
   regions::all regions;
+  sources::options of_sources;
+  sources::all sources;
   run::common_options common;
 
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }

@@ -8,6 +8,7 @@
 #include <particles/named_fields.hpp>
 #include <run/supports.hpp>
 #include <schemes/common.hpp>
+#include <sources/fields.hpp>
 #include <variant>
 
 namespace tetsuame::gas {
@@ -40,6 +41,8 @@ struct world : run::state<D>, schemes::arrays<D> {
   particles::array& start_volume = field("StartVolume", "m^D", "mass over density at the start");
   particles::array& start_sum = field("StartSum", "1", "sum of StartVolume W at the start");
   particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
+
+  sources::fields<D> sources = {};
 
   particles::array& number_volume = this->derived("NumberVolume", "m^D", "1/n");
 

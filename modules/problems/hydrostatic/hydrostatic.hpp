@@ -7,6 +7,7 @@
 #include <liquid/scheme.hpp>
 #include <optional>
 #include <output/groups.hpp>
+#include <sources/fields.hpp>
 
 namespace tetsuame::hydrostatic {
 
@@ -85,7 +86,7 @@ class problem : public liquid::problem<D> {
     if (!start_) start_ = t;
     base::note_density_excess(e.density_excess);
     return {e.pressure_mean, e.pressure_max, e.density_max, e.displacement_max_over_dx,
-            t.kinetic,       t.potential,    t.internal,    t.energy() - start_->energy()};
+            t.kinetic,       t.potential,    t.internal,    energy_made(t)};
   }
 
   std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
@@ -104,7 +105,8 @@ class problem : public liquid::problem<D> {
       momentum = std::max(momentum, std::abs(t.momentum[a] - start_->momentum[a]) / start_->sound_momentum);
     r.conservation = {{"mass", (t.mass - start_->mass) / start_->mass},
                       {"momentum", momentum},
-                      {"energy", (t.energy() - start_->energy()) / start_->pressure_volume}};
+                      {"energy", energy_made(t) / start_->pressure_volume}};
+    sources_.tell(r.metrics);
     // Walls that drag, heat or cool the fluid change its energy.
     const bool closed = std::ranges::none_of(world.walls.sides, [](const walls::side<D>& wall) {
       return wall.thermal == walls::heat::fixed_temperature || wall.flux != 0.0 ||
@@ -135,27 +137,44 @@ class problem : public liquid::problem<D> {
   void place_walls() override { hydrostatic::place_walls(o_, world); }
 
  private:
+  // J, beyond what came from outside.
+  double energy_made(const totals<D>& now) const { return now.energy() - start_->energy() - sources_.supplied(); }
+
   // Integrated in the order of liquid::rates_in_order. The absolute errors that steps with error control allow, beside
   // those relative to a value (of positions, to the spacing), are far below what a flow has: mm, um/s, uK.
   void declare_evaluation() {
     auto& e = evaluation_;
     auto& s = world.w.s;
+    sources_.declare(o_.sources, world, e);
     e.integrate_motion({1e-6 * world.w.dx, 1e-6, 0.0, true});
-    e.integrate(s.T, {"T", 1e-6});
+    const bool energy = o_.scheme.energy.internal();
+    passes::fields rates{s.x, s.v, s.u};
+    if (energy) {
+      e.remembered({s.T});
+    } else {
+      e.integrate(s.T, {"T", 1e-6});
+      rates.add({s.T});
+    }
     e.integrate(s.u, {"u", 1e-3});
-    passes::fields rates{s.x, s.v, s.T, s.u};
     const auto carry = [&](particles::array& field, const char* name) {
       e.integrate(field, {name, 1e-9});
       rates.add({field});
     };
     if (scheme_->carried() == volume::carries::density) carry(s.rho, "rho");
     if (scheme_->carried() == volume::carries::weight) carry(s.Y, "Y");
-    scheme_->declare(world, e, rates, false, [this] { return liquid::rates_in_order<D>(evaluation_.rates()); });
+    const std::size_t own = e.fields().size();
+    auto& warming = particles::declare_if(energy, s, "TemperatureRate", "K/s", particles::role::derived);
+    scheme_->declare(world, e, rates, false, [this, own, energy, &warming] {
+      return liquid::rates_in_order<D>(evaluation_.rates().first(own), energy ? warming.data() : nullptr);
+    });
+    const double c = fastest_sound(o_, world);
+    sources_.account(e, 1e-4 * c * c);
     e.complete(passes::behind<D>(world));
   }
 
   const options& o_;
   passes::evaluation<D> evaluation_{world};
+  sources::fields<D> sources_;
   std::optional<totals<D>> start_;
 };
 

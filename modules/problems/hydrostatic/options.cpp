@@ -74,6 +74,8 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
   volume::declare(schema, o.scheme);
+  regions::declare(schema, o.constants);
+  sources::declare(schema, {}, o.of_sources);
   run::declare(schema, o, {.single_pairs = true, .diffuses = false, .starts_from_file = true, .settles = true});
 }
 
@@ -92,6 +94,8 @@ void resolve(const namelist::schema& schema, options& o) {
   const auto material = schema.placed("material", "eos", [&] { return eos::make(o.material.eos); });
   schema.placed("material", o.material.eos.table.empty() ? "bulk_modulus" : "table",
                 [&] { profile(o, material).pressure(0.0); });
+  o.sources = sources::all(schema, o.of_sources, o.constants, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
   run::check_output(schema, o, o.domain,
                     {"Weight", "InternalEnergyGain", "Viscosity", "PressureEOS", "SoundSpeed", "PressureReference",
                      "DensityReference", "Displacement"});

@@ -1,9 +1,10 @@
-// The input of a box at rest: &domain, &initial, &gravity, &material, &walls, &smoothing, &hosono, and the
-// groups that all programs have (run/options.hpp).
+// The input of a box at rest: &domain, &initial, &gravity, &sources, &constants, &material, &walls, &smoothing,
+// &hosono, and the groups that all programs have (run/options.hpp).
 #pragma once
 
 #include <eos/eos.hpp>
 #include <run/options.hpp>
+#include <sources/options.hpp>
 #include <volume/options.hpp>
 #include <walls/options.hpp>
 
@@ -29,6 +30,9 @@ struct options : run::common_options {
   material_options material;
   walls::options walls;
   volume::options scheme;
+  regions::constants constants;
+  sources::options of_sources;  // as the input has them
+  sources::all sources;
 
   options() {
     time = {.method = "euler", .dt = 1e-3, .steps = 1000, .t_end = {}, .cfl = 0.5, .diffusive = 0.25};

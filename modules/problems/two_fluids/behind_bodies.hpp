@@ -12,7 +12,7 @@ walls::mirrored_fields rules_at_sides(fluids<D>& f) {
   auto& s = f.world.w.s;
   auto all = walls::velocity(s.v);
   for (auto* p : {&s.p_eos, &s.p})
-    for (const auto& rule : walls::hydrostatic(*p, s.rho, f.world.w.g)) all.push_back(rule);
+    for (const auto& rule : walls::hydrostatic(*p, s.rho, f.world.w)) all.push_back(rule);
   return all;
 }
 
@@ -34,7 +34,8 @@ void fill_behind_walls(const fluids<D>& f, const walls::mirrored_fields& rules, 
 template <int D>
 double carried_to(const fluids<D>& f, const particles::array& p, std::size_t j, std::size_t i) {
   const auto& s = f.world.w.s;
-  return p[j] + s.rho[j] * f.o.gravity * (s.x[1][j] - s.x[1][i]);
+  const double at_rest = p[j] + s.rho[j] * f.o.gravity * (s.x[1][j] - s.x[1][i]);
+  return f.world.w.gravity_varies ? at_rest + s.rho[j] * f.world.w.forced(j, i) : at_rest;
 }
 
 // The velocity is odd about the surface, or along it even where it lets slip; pressure holds fluid at rest; density,
@@ -44,8 +45,9 @@ template <int D>
 void stand_behind_walls(fluids<D>& f) {
   auto& s = f.world.w.s;
   const auto& set = f.world.walls;
+  f.sources.write_behind_walls();
   auto rules = walls::velocity(s.v);
-  for (const auto& rule : walls::hydrostatic(s.p_eos, s.rho, f.world.w.g)) rules.push_back(rule);
+  for (const auto& rule : walls::hydrostatic(s.p_eos, s.rho, f.world.w)) rules.push_back(rule);
   for (const auto& rule : walls::even({&s.rho, &s.dV, &s.eta, &s.T})) rules.push_back(rule);
   fill_behind_walls(f, rules, [&] {
     const auto fluid_at = [&](std::size_t j, std::size_t i) {
@@ -76,7 +78,7 @@ void stand_behind_walls(fluids<D>& f) {
 template <int D>
 void smooth_behind_walls(fluids<D>& f) {
   auto& s = f.world.w.s;
-  fill_behind_walls(f, walls::hydrostatic(s.p, s.rho, f.world.w.g), [&] {
+  fill_behind_walls(f, walls::hydrostatic(s.p, s.rho, f.world.w), [&] {
     walls::at_bodies<1, 0>(
         f.world.w, f.world.walls, [&](std::size_t j, std::size_t i) { return std::array{carried_to(f, s.p, j, i)}; },
         [&](std::size_t i, const auto&, double, const auto& mean) { s.p[i] = mean[0]; });

@@ -50,7 +50,9 @@ class list_of_passes {
 
   // fast: m/s, the scale of velocities. pressure, density: of the floor.
   void declare(double fast, const place& floor) {
+    f_.sources.declare(f_.p.sources, f_.world, e);
     integrate(fast, floor);
+    f_.sources.account(e, fast * fast);
     e.given({s_.m, s_.k});
     if (!viscosity_changes()) e.given({s_.eta});
     if (f_.enthalpy) e.remembered({s_.T});
@@ -124,7 +126,8 @@ class list_of_passes {
     if (f_.dissolved) find_partitions();
     if (f_.has_bodies) {
       const passes::fields all{s_.v, s_.p_eos, s_.rho, s_.dV, s_.eta, s_.T};
-      e.walls("walls", {.at_neighbours = all, .gives = all}, [this] { stand_behind_walls(f_); });
+      e.walls("walls", {.at_neighbours = {all, passes::of_gravity(f_.world)}, .gives = all},
+              [this] { stand_behind_walls(f_); });
     }
     if (!f_.smoothed) return;
     // p̂ as Σ Y W over Σ ΔV W.
@@ -134,7 +137,8 @@ class list_of_passes {
     e.sum("smoothing", {.at_neighbours = {s_.Y, s_.dV}, .writes = {s_.p}},
           [this](const pairs::row_range& rows) { volume::smooth(w_, s_.dV, true, rows); });
     if (f_.has_bodies)
-      e.walls("walls", {.at_neighbours = {s_.p, s_.rho, s_.dV}, .gives = {s_.p}}, [this] { smooth_behind_walls(f_); });
+      e.walls("walls", {.at_neighbours = {s_.p, s_.rho, s_.dV, passes::of_gravity(f_.world)}, .gives = {s_.p}},
+              [this] { smooth_behind_walls(f_); });
   }
   void find_phases() {
     passes::access uses{.reads = {s_.p_eos, f_.content}, .writes = {f_.melt, f_.inertia}, .updates = {s_.T}};
@@ -218,9 +222,10 @@ class list_of_passes {
   }
 
   void find_rates() {
-    passes::access uses{.reads = {s_.m, s_.v, s_.p, s_.dV, s_.rho, material(), f_.force, f_.compression, f_.heat,
-                                  f_.conducted, f_.tension.force, f_.lift, f_.inertia, f_.rho_rate, f_.gain},
-                        .rates = {s_.x, s_.u, f_.dissipated}};
+    passes::access uses{
+        .reads = {s_.m, s_.v, s_.p, s_.dV, s_.rho, material(), f_.force, f_.compression, f_.heat, f_.conducted,
+                  f_.tension.force, f_.lift, f_.inertia, f_.rho_rate, f_.gain, passes::of_sources(f_.world)},
+        .rates = {s_.x, s_.u, f_.dissipated}};
     (f_.has_bodies ? uses.accumulates : uses.rates).add({s_.v});
     if (has_factor(f_)) uses.reads.add({f_.follow_factor});
     if (f_.carried) uses.rates.add({s_.rho});
@@ -234,7 +239,8 @@ class list_of_passes {
     const auto& s = s_;
     const double per_m = 1.0 / s.m[i];
     const double compression = has_factor(f_) ? f_.compression[i] * f_.follow_factor[i] : f_.compression[i];
-    const double heat = f_.heat[i] + (f_.o.conducts() ? f_.conducted[i] : 0.0);
+    double heat = f_.heat[i] + (f_.o.conducts() ? f_.conducted[i] : 0.0);
+    if (w_.heating != nullptr) heat += s.m[i] * (*w_.heating)[i];
     for (std::size_t a = 0; a < D; ++a) {
       const double gravity = w_.gravity(a, i);
       rate(0, a)[i] = s.v[a][i];
@@ -281,7 +287,9 @@ class list_of_passes {
     if (f_.warms) rates.add({s_.T});
     scheme_->declare(f_.world, e, rates, viscosity_changes(), [this] { return rates_of_scheme(); });
     f_.tension.declare(e);
-    passes::access uses{.reads = {s_.x, s_.v, s_.m, s_.T, s_.rho, f_.inertia, f_.tension.force}, .rates = {s_.u, s_.v}};
+    passes::access uses{
+        .reads = {s_.x, s_.v, s_.m, s_.T, s_.rho, f_.inertia, f_.tension.force, passes::of_sources(f_.world)},
+        .rates = {s_.u, s_.v}};
     if (f_.enthalpy) uses.rates.add({f_.content});
     e.each("rates", uses, [this](std::size_t i) { part_heat(i); });
     if (f_.dissolved) exchange_element_beside_scheme();
@@ -314,10 +322,11 @@ class list_of_passes {
     out.dT = f_.warms ? rate(T_) : f_.heat.data();
     return out;
   }
-  // u is of compression alone; the heat of friction and conduction stands apart.
+  // u is of compression alone; the heat of friction, conduction and sources stands apart.
   void part_heat(std::size_t i) {
     const double conducted = f_.o.conducts() ? f_.conducted[i] / s_.m[i] : 0.0;
-    const double heating = rate(q_)[i] + conducted;
+    double heating = rate(q_)[i] + conducted;
+    if (w_.heating != nullptr) heating += (*w_.heating)[i];
     rate(u_)[i] -= heating;
     if (f_.enthalpy) rate(h_)[i] = heating;
     for (std::size_t a = 0; a < D && f_.tense; ++a) rate(D, a)[i] += f_.tension.force[a][i] / s_.m[i];

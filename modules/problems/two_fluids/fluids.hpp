@@ -6,6 +6,7 @@
 #include <rigid/contact.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
+#include <sources/fields.hpp>
 #include <tension/between_liquids.hpp>
 #include <two_fluids/lattice.hpp>
 #include <two_fluids/options.hpp>
@@ -88,6 +89,7 @@ class fluids {
   particles::array& metal = field(dissolved || tense, "Metal", "1");  // 1 in metal, or 0
 
   tension::between_liquids<D> tension{world, o.surface_tension, metal};
+  sources::fields<D> sources;
 
   // by_program: a program's scheme makes the sums.
   fluids(problem_kind kind_, const options& o_, const parameters& p_, bool by_program_ = false)

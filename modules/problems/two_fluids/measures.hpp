@@ -35,6 +35,7 @@ struct measures : totals, energies {
   double laplace_pressure_or_0 = 0.0;                                          // where all metal is at the contact
   double element = 0.0, in_metal = 0.0, partition = 0.0, equilibration = 0.0;  // kg (2-D: kg/m); of the metal; 0 to 1
   double heat = 0.0;                                                           // J (2-D: J/m), gained
+  double work_of_forces = 0.0, heat_of_sources = 0.0;                          // J (2-D: J/m), from outside
   double heat_residual = 0.0, melt_fraction = 0.0, metal_depth = 0.0, metal_below = 0.0;  // 1, 1, m, 1
 
   std::vector<amount> further;  // of each &material
@@ -178,7 +179,9 @@ energies find_energies(const fluids<D>& f) {
 template <int D>
 void follow_energy(measures& m, const fluids<D>& f) {
   static_cast<energies&>(m) = find_energies(f);
-  const double energy = m.kinetic + m.potential + m.elastic + m.dissipated + m.surface;
+  m.work_of_forces = f.sources.work_of_forces();
+  m.heat_of_sources = f.sources.heat_supplied();
+  const double energy = m.kinetic + m.potential + m.elastic + m.dissipated + m.surface - m.work_of_forces;
   if (m.none_yet()) {
     m.energy_start = energy;
     m.mass_start = m.mass;
@@ -377,7 +380,7 @@ void follow_heat(measures& m, const fluids<D>& f) {
         }
       });
   m.heat = gain;
-  m.heat_residual = moved > 0.0 ? (gain - m.dissipated) / moved : 0.0;
+  m.heat_residual = moved > 0.0 ? (gain - m.dissipated - m.heat_of_sources) / moved : 0.0;
   m.melt_fraction = melt / lower_mass;
   m.metal_depth = f.p.interface - f.ranks().minimum(metal_low);
   m.metal_below = metal_below / m.metal_mass;

@@ -144,6 +144,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "sides", "slip");
   solids::declare(schema, o.solids);
   regions::declare(schema, regions_of(kind, o), o.regions);
+  sources::declare(schema, {}, o.sources);
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
     volume::declare(schema, o.liquid);

@@ -5,6 +5,7 @@
 //   &walls    walls/options.hpp; pressure
 //   &solids   bodies of any shape that stand still (solids/options.hpp)
 //   &region, &constants   what the start is somewhere (regions/options.hpp)
+//   &sources  forces and heat from outside (sources/options.hpp)
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
 //   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   run/options.hpp
@@ -17,6 +18,7 @@
 #include <regions/region.hpp>
 #include <rigid/box.hpp>
 #include <run/options.hpp>
+#include <sources/options.hpp>
 #include <tuple>
 #include <two_fluids/column.hpp>
 #include <volume/options.hpp>
@@ -92,6 +94,7 @@ struct options {
   walls::options walls;
   solids::options solids;
   regions::options regions;
+  sources::options sources;
   std::deque<material_options> material{2};  // lower, upper; of a drop: outside, drop; then those of &material
   more_materials more;
   double bulk_modulus = 5e11;   // Pa
@@ -188,6 +191,7 @@ struct parameters {
   // Of the box's dimension, with their images across periodic sides.
   std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;
   regions::all regions;
+  sources::all sources;
 
   template <int D>
   const std::vector<solids::body<D>>& bodies_in() const {

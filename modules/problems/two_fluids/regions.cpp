@@ -21,6 +21,9 @@ void resolve_regions(const namelist::schema& schema, problem_kind kind, const op
     p.theory_fall.reset();
     p.theory_about = "there are more than two materials: no velocity of fall to compare with";
   }
+  p.sources = sources::all(schema, o.sources, o.regions, static_cast<int>(o.domain.dimension), o.domain.length, p.dx);
+  if (p.sources.heats() && o.temperature_law == "isothermal")
+    schema.fail("sources", "heating", "there is nothing to heat at one temperature: temperature_law");
   if (!p.regions.any()) return;
   const char* group = group_of(kind);
   if (!o.common.start.file.empty())

@@ -41,6 +41,8 @@ std::vector<measured_column> columns_of(const fluids<D>& f) {
                                    {{"pressure_min", "Pa"}, &m::lowest_pressure}};
   const auto add = [&](std::initializer_list<measured_column> some) { all.insert(all.end(), some); };
   if (f.tense) add({{{"surface", J}, &m::surface}});
+  if (f.sources.force()) add({{{"work_of_forces", J}, &m::work_of_forces}});
+  if (f.sources.heat()) add({{{"heat_of_sources", J}, &m::heat_of_sources}});
   if (f.is_drop() && !f.many()) add({{{"stretch", "1"}, &m::stretch}});
   if (f.is_drop()) add({{{"bodies", "1"}, &m::bodies}, {{"largest_body", "1"}, &m::largest_body}});
   if (f.is_drop() && f.tense) add({{{"laplace_pressure", "Pa"}, &m::laplace_pressure_or_0}});
@@ -310,6 +312,7 @@ void tell(run::summary& r, const measures& m, const fluids<D>& f) {
   tell_materials(j, m, f);
   if (f.dissolved) tell_element(j, m, f);
   if (f.enthalpy) tell_heat(j, m, f);
+  f.sources.tell(j);
   const auto& w = f.world.w;
   const auto total = static_cast<double>(f.placed);
   j["particles_lost"] = f.placed - f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));

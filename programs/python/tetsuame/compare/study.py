@@ -18,12 +18,12 @@ from pathlib import Path
 
 from .. import OUTPUT, ROOT, pages, writing
 from ..reading import beside
-from . import (balance_study, continuity_of_y, convection, flow, godunov_in_earnest, gravity_density, hydrostatic, letters, orders, precision,
-               relaxation_map, rti, runner, shock, slides_convection, slowed_overturn, table, time_stepping)
+from . import (balance_study, conduction, continuity_of_y, convection, flow, godunov_in_earnest, gravity_density, hydrostatic, letters, orders,
+               precision, relaxation_map, rti, runner, shock, slides_convection, slowed_overturn, table, time_stepping)
 from .outcomes import COMPLETED, CRASHED, Outcome
 
 SUBJECTS = {module.NAME: module for module in (
-    hydrostatic, convection, shock, rti, continuity_of_y, slowed_overturn, gravity_density, relaxation_map, slides_convection,
+    hydrostatic, conduction, convection, shock, rti, continuity_of_y, slowed_overturn, gravity_density, relaxation_map, slides_convection,
     time_stepping, balance_study, godunov_in_earnest, flow, precision)}
 
 
