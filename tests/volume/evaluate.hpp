@@ -29,7 +29,8 @@ void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing
     passes::fields rates{s.x, s.v, s.T, s.u};
     if (Volume::carried == volume::carries::density) e.integrate(s.rho, {"rho"}), rates.add({s.rho});
     if (Volume::carried == volume::carries::weight) e.integrate(s.Y, {"Y"}), rates.add({s.Y});
-    liquid::list_of_passes<program_of<Volume, Pressure>, D> list(scene, how, {.smoothing = smoothing});
+    const volume::pressure_rule none;
+    liquid::list_of_passes<program_of<Volume, Pressure>, D> list(scene, how, {.smoothing = smoothing}, none);
     list.declare(e, rates, false, [&] { return liquid::rates_in_order<D>(e.rates()); });
     e.complete(passes::behind<D>(scene));
     BOOST_TEST_MESSAGE(e.describe());

@@ -218,8 +218,9 @@ BOOST_AUTO_TEST_CASE(proof_that_no_state_exists) {
     refresh(scene);
     volume::add_density_guess(scene.w.s);
     auto& s = scene.w.s;
-    const volume::wall_context<2> around{scene.treatment, scene.walls, {normalise}, s.dV};
-    volume::weights_by_density(scene.w, s.dV, 0, s.first_wall());
+    const volume::pressure_rule none;
+    const volume::wall_context<2> around{scene.treatment, scene.walls, {normalise}, s.dV, none};
+    volume::weights_by_density(scene.w, s.dV, 0, s.first_wall(), none);
     return volume::detail::no_state_exists(scene.w, around);
   };
   const auto scene = make_scene<2>(at_pressure(1e10), alone());

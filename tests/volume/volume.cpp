@@ -251,7 +251,7 @@ BOOST_AUTO_TEST_CASE(smoothing_in_parts_is_one_sum) {
     volume::our_method how;
     test::evaluate<volume::smoothed>(scene, how, {.normalise = normalise});
     const auto parts = fluid_by_id(scene, w.s.p);
-    volume::weights_by_density(w, w.s.dV, 0, w.s.first_wall());
+    volume::weights_by_density(w, w.s.dV, 0, w.s.first_wall(), {});
     walls::virtual_marker::kinematics(w, scene.walls);
     walls::virtual_marker::weights(w, scene.walls);
     volume::smooth(w, w.s.dV, normalise, w.fluid());
