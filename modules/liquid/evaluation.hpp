@@ -24,7 +24,7 @@
 
 namespace tetsuame::liquid {
 
-// Where the internal energy is integrated: what u = 0 is of it, a field of the particles.
+// Where the internal energy is integrated: what u = 0 is of it, a field of the particles; 0 before it is known.
 inline constexpr const char* start_energy = "StartInternalEnergy";
 
 template <class Program, int D>
@@ -101,12 +101,17 @@ class list_of_passes {
 
   // ---- volumes ----------------------------------------------------------------------------
 
-  // T of ρ and the internal energy, where that is integrated.
+  // T of ρ and the internal energy, where that is integrated. The first evaluation of all knows T, and the density that
+  // the scheme has of the start.
   void find_temperature(passes::evaluation<D>& e) {
     if (start_energy_ == nullptr) return;
-    e.each("volume", {.reads = {s_.rho, s_.u, *start_energy_}, .updates = {s_.T}}, [this](std::size_t i) {
+    e.each("volume", {.reads = {s_.rho, s_.u}, .updates = {s_.T, *start_energy_}}, [this](std::size_t i) {
       const auto& material = caloric_[static_cast<std::size_t>(s_.material[i])];
-      s_.T[i] = material.temperature(s_.rho[i], (*start_energy_)[i] + s_.u[i]);
+      double& start = (*start_energy_)[i];
+      if (start == 0.0)
+        start = material.internal_energy(s_.rho[i], s_.T[i]) - s_.u[i];
+      else
+        s_.T[i] = material.temperature(s_.rho[i], start + s_.u[i]);
     });
   }
 

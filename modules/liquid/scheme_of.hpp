@@ -30,7 +30,7 @@ class scheme_of : public scheme<D> {
   void begin(run::state<D>& box) override {
     auto& w = box.w;
     volume::equation_of_state(w, 0, w.s.fluid, this->rule);
-    if (options_.energy.internal()) remember_energy(box);
+    if (options_.energy.internal()) particles::declare(w.s, start_energy, "J/kg", particles::role::constant);
     if constexpr (iterates) {
       volume::add_density_guess(w.s);
       start_kappa_ = volume::detail::largest_kappa(w);
@@ -100,15 +100,6 @@ class scheme_of : public scheme<D> {
   }
 
  private:
-  void remember_energy(run::state<D>& box) const {
-    auto& s = box.w.s;
-    auto& start = particles::declare(s, start_energy, "J/kg", particles::role::constant);
-    std::vector<eos::caloric> materials;
-    for (const auto& material : box.w.materials) materials.emplace_back(material);
-    for (std::size_t i = 0; i < s.fluid; ++i)
-      start[i] = materials[static_cast<std::size_t>(s.material[i])].internal_energy(s.rho[i], s.T[i]) - s.u[i];
-  }
-
   // residuals.csv: the course of Hosono's iteration in every evaluation of the right-hand side.
   void append_residuals(std::int64_t step) {
     if (residuals_ == nullptr) return;  // no run: its tables were not begun
