@@ -137,7 +137,7 @@ void declare(namelist::schema& schema, options& o) {
              between(0.0, 1.0,
                      "b of T + b DeltaT r, r of each particle a random number between -1 and 1, by its ID and the "
                      "seed: the same on any number of processes"));
-  schema.add("initial", "noise_seed", o.initial.noise_seed, between(0, 1000000, "of those random numbers"));
+  schema.add("initial", "noise_seed", o.initial.noise_seed, for_expert(between(0, 1000000, "of those random numbers")));
   auto& sides = o.walls.sides;
   o.walls.slip = "free_slip";
   sides[2].thermal = sides[3].thermal = "fixed";
