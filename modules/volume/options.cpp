@@ -15,11 +15,13 @@ void declare(namelist::schema& schema, options& all) {
   schema.group("viscosity", "of liquids");
   schema.add("viscosity", "stress", all.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
+              .expert = true,
               .meaning = "laplacian: the notes' sum, div(eta grad v); symmetric: with the transpose of the gradient, "
                          "which viscosities that differ need; auto: symmetric where they do"});
   schema.group("energy", "of a particle");
   schema.add("energy", "variable", all.energy.variable,
              {.choices = {"temperature", "internal_energy"},
+              .expert = true,
               .meaning = "which is integrated: the temperature by its own equation, or the internal energy, of which "
                          "pairs exchange as much as they do work, and from which the temperature follows"});
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
