@@ -22,6 +22,7 @@ void declare(namelist::schema& schema, options& all) {
   schema.add("energy", "variable", all.energy.variable,
              {.choices = {"temperature", "internal_energy"},
               .expert = true,
+              .expert_name = "energy_variable",
               .meaning = "which is integrated: the temperature by its own equation, or the internal energy, of which "
                          "pairs exchange as much as they do work, and from which the temperature follows"});
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");

@@ -63,7 +63,7 @@ class EnergyVariable(Case):
         for program, name in [("disph_a", "hydrostatic_13"), ("disph_y", "hydrostatic_13"), ("disph_f", "rti_note")]:
             with self.subTest(program=program, name=name):
                 result = self.run_program(program, name, {"energy.variable": "'internal_energy'"}, expect=BAD_INPUT)
-                self.assert_says(result, BAD_INPUT, "&energy variable", "expected 'temperature'")
+                self.assert_says(result, BAD_INPUT, "energy_variable", "expected 'temperature'")
                 self.assertFalse(result.directory.exists())
 
 
