@@ -509,7 +509,7 @@ struct loop {
       record_end();
       fill_report();
       p.report({integrator->time(), step}, report);
-      files.complete(step, integrator->time(), t_end(), is_steady ? ", where the flow is steady" : "");
+      files.complete(step, integrator->time(), t_end(), is_steady ? ", where what is measured no longer changes" : "");
     } catch (const foundation::error& e) {
       // The last good state is in the arrays: it goes to disk with the reason.
       files.fail(e, step, [&] {

@@ -136,6 +136,23 @@ class Convection(Case):
         self.assertGreater(relaxed["metrics"]["prandtl_effective"], 5 * instant["metrics"]["prandtl_effective"])
         self.assertLess(relaxed["rhs_evaluations"], instant["rhs_evaluations"])
 
+    def test_heat_in_and_out(self):
+        """Not compared where &sources heats: what it supplies need not leave. From inside, it is counted."""
+        short = {**size(12), "time.steps": 2, "output.interval": 0}
+        balance = lambda **more: self.run_program("convection", MANTLE, {**short, **more}).summary["metrics"]["heat_imbalance"]
+        self.assertIsNone(balance(**{"sources.heating": "'1e-15'"}))
+        without, inside = balance(), balance(**{"convection.heating": 1e-15})
+        # H L^2/(kappa c_p dT) = 8e-4 of what goes through, 1: kappa 1e-6 m2/s, c_p 1250, L 1e6 m, dT 1000 K
+        self.assertAlmostEqual(inside - without, 1e-15 * 1e12 / (1e-6 * 1250 * 1000), delta=1e-4)
+
+    def test_lid_in_convection(self):
+        """A wall that moves faster than buoyancy makes the flow: slowed sound is faster than it, and the first step, of a layer at rest, is not too
+        long for it."""
+        settings = {**size(16), "expert.slip_top": "no_slip", "expert.velocity_top": 1e-9, "time.steps": 400, "output.interval": 0}
+        m = self.run_program("convection", MANTLE, settings).summary["metrics"]
+        self.assertLess(m["mach"], 0.5)
+        self.assertGreater(m["v_rms"], 100)  # kappa/L; 43 without the lid
+
     def test_waves_of_shear(self):
         """A plate that slides above a layer at rest. What lacks to the linear profile, sines sin(n pi y/L), obeys v' = -nu k^2 z,
         z' = theta v' + (v - z)/lambda: waves of speed (nu (1 - theta)/lambda)^(1/2), where an instant response would diffuse."""

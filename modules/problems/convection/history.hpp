@@ -188,9 +188,10 @@ bool settled(const convection_state<D>& state, const measured& m, double toleran
 }
 
 // Heat that comes in at the bottom or from inside less what leaves at the top, over that which goes through; of means.
-// None where sides let heat through, or forces of the input heat.
+// None where sides let heat through, or where &sources heats.
 template <int D>
 std::optional<double> heat_imbalance(const convection_state<D>& state, const nlohmann::ordered_json& means) {
+  if (state.sources.heat()) return {};
   for (const auto& wall : state.world.walls.sides)
     if (wall.axis != 1 && (wall.thermal == walls::heat::fixed_temperature || wall.flux != 0.0)) return {};
   const auto& layer = state.layer;
