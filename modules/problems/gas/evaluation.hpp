@@ -19,46 +19,35 @@
 
 namespace tetsuame::gas {
 
-template <int D>
-void sum_densities(world<D>& g, const pairs::row_range& rows) {
-  std::visit(
-      [&]<class Kernel>(const Kernel& unit) {
-        sum(g, rows, schemes::density<D, Kernel>{unit, g.fields()});
-      },
-      g.unit);
-}
-template <int D>
-void sum_gradients(world<D>& g, const pairs::row_range& rows) {
-  std::visit(
-      [&]<class Kernel>(const Kernel& unit) {
-        sum(g, rows, schemes::gradients<D, Kernel>{unit, g.fields(), g.evolves_density ? g.w.s.u : g.w.s.p});
-      },
-      g.unit);
-}
-template <int D>
-void sum_corrections(world<D>& g, const pairs::row_range& rows) {
-  std::visit(
-      [&]<class Kernel>(const Kernel& unit) {
-        sum(g, rows, schemes::reproducing<D, Kernel>{unit, g.fields()});
-      },
-      g.unit);
+// The sum of term(kernel), for the kernel that the run has.
+template <int D, class Term>
+void sum_of(world<D>& g, const pairs::row_range& rows, const Term& term) {
+  std::visit([&](const auto& unit) { sum(g, rows, term(unit)); }, g.unit);
 }
 
 template <int D>
+void sum_densities(world<D>& g, const pairs::row_range& rows) {
+  sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) { return schemes::density<D, Kernel>{unit, g.fields()}; });
+}
+template <int D>
+void sum_gradients(world<D>& g, const pairs::row_range& rows) {
+  sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) {
+    return schemes::gradients<D, Kernel>{unit, g.fields(), g.evolves_density ? g.w.s.u : g.w.s.p};
+  });
+}
+template <int D>
+void sum_corrections(world<D>& g, const pairs::row_range& rows) {
+  sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) { return schemes::reproducing<D, Kernel>{unit, g.fields()}; });
+}
+template <int D>
 void sum_moments(world<D>& g, const pairs::row_range& rows) {
-  std::visit(
-      [&]<class Kernel>(const Kernel& unit) {
-        sum(g, rows, schemes::integral<D, Kernel>{unit, g.fields()});
-      },
-      g.unit);
+  sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) { return schemes::integral<D, Kernel>{unit, g.fields()}; });
 }
 template <int D>
 void sum_geometric_factor(world<D>& g, const pairs::row_range& rows, bool supports_vary) {
-  std::visit(
-      [&]<class Kernel>(const Kernel& unit) {
-        sum(g, rows, schemes::geometric_factor<D, Kernel>{unit, g.fields(), supports_vary});
-      },
-      g.unit);
+  sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) {
+    return schemes::geometric_factor<D, Kernel>{unit, g.fields(), supports_vary};
+  });
 }
 
 // The sum of forces of the scheme that was asked for.
@@ -66,7 +55,7 @@ template <int D>
 std::function<void(const pairs::row_range&)> forces_of(world<D>& g) {
   const auto by = [&g](auto term) {
     return [&g, term](const pairs::row_range& rows) {
-      std::visit([&](const auto& unit) { sum(g, rows, term(unit, g.fields())); }, g.unit);
+      sum_of(g, rows, [&](const auto& unit) { return term(unit, g.fields()); });
     };
   };
   const auto& q = g.o.shock;
