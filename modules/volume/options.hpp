@@ -1,5 +1,5 @@
-// What the input says of a scheme for liquids, groups &volume, &smoothing and &hosono; and what Hosono's iteration
-// tells when it fails.
+// What the input says of a scheme for liquids, groups &volume, &viscosity, &energy, &smoothing and &hosono; and what
+// Hosono's iteration tells when it fails.
 #pragma once
 
 #include <cstdint>

@@ -144,6 +144,8 @@ struct options {
       if (m.viscosity != material[0].viscosity) return false;
     return true;
   }
+  // From material to material, or by temperature and melt.
+  bool viscosities_differ() const { return melting.viscosity_law != "constant" || !equally_viscous(); }
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& m : material) all.push_back(m.name);

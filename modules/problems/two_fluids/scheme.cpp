@@ -101,10 +101,6 @@ void check_supports(const namelist::schema& schema, const char* group, const opt
   if (o.surface_tension > 0.0) schema.fail(group, "supports", "surface tension has one support for all: 'fixed'");
 }
 
-bool viscosities_differ(const options& o) {
-  return o.melting.viscosity_law != "constant" || !o.equally_viscous();
-}
-
 // A program's scheme has the notes' viscous sum, one kernel for all and the whole pressure.
 void choose_by_program(const namelist::schema& schema, const char* group, options& o, parameters& p) {
   if (o.surface_tension > 0.0 && !(o.by_number && o.walls.treatment == "mirror"))
@@ -119,7 +115,7 @@ void choose_by_program(const namelist::schema& schema, const char* group, option
         "run one that does (disph_c), or program " +
             std::string(group));
   o.scheme = {.volume = "our_method", .reference_pressure = "none", .delta = 0.0, .viscous_order = 2};
-  volume::resolve(schema, o.liquid, viscosities_differ(o));
+  volume::resolve(schema, o.liquid, o.viscosities_differ());
   p.symmetric_stress = o.liquid.stress == "symmetric";
   if (o.liquid.consistency.ties() && !o.integrates_volume)
     p.lines.emplace_back(
@@ -163,7 +159,7 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
                 "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
                 "motion instead of friction; choose 2");
   // Where viscosities differ, or nothing holds the surface, only the symmetric stress is right.
-  p.symmetric_stress = open || viscosities_differ(o);
+  p.symmetric_stress = open || o.viscosities_differ();
   if (s.viscous_order == 0) s.viscous_order = p.symmetric_stress ? 2 : 4;
 }
 

@@ -330,8 +330,7 @@ void set_up(fluids<D>& f) {
   if (o.by_program) {
     f.world.treatment = walls::make(o.walls.treatment);
     f.world.walls.how = o.walls;
-    if (!o.conducts() && o.melting.viscosity_law == "constant" && o.equally_viscous())
-      w.uniform_transport = o.material[0].viscosity;
+    if (!o.conducts() && !o.viscosities_differ()) w.uniform_transport = o.material[0].viscosity;
   }
   f.h = o.common.kernel.h_over_dx * w.dx;
   f.S_0 = w.support();
