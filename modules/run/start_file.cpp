@@ -242,6 +242,13 @@ std::vector<double> start_file::temperatures(bool above_0) const {
 
 std::vector<double> start_file::energies() const { return numbers("InternalEnergy", snapshot_file::energy); }
 
+std::vector<double> start_file::concentrations() const {
+  auto c = numbers("Concentration", {});
+  for (std::size_t n = 0; n < c.size(); ++n)
+    if (c[n] < 0.0) fail_at(n, fmt::format("its Concentration is {:.6g}, and below 0", c[n]));
+  return c;
+}
+
 std::vector<double> start_file::pressures() const { return numbers("Pressure", snapshot_file::pressure); }
 
 void start_file::expect_at_rest(const std::vector<double>& velocities) const {

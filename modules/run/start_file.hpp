@@ -40,6 +40,7 @@ class start_file {
   std::vector<double> temperatures(bool above_0) const;
   std::vector<double> energies() const;   // J/kg, internal
   std::vector<double> pressures() const;  // Pa
+  std::vector<double> concentrations() const;  // amount per mass, not below 0
   // Of so many; of one, the file may have none. names: of each; what the file calls otherwise, or has not named, is
   // known by its number, one of `own`, which the problem has by itself.
   std::vector<std::int32_t> materials(std::int32_t number, const std::vector<std::string>& names = {},

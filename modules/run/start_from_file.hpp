@@ -19,6 +19,7 @@ struct taken_from_file {
   std::vector<std::string> materials{};         // names; none: there is but one
   std::array<double, 2> pressures{};            // Pa, the lowest and the highest of the box at rest
   std::function<double(std::size_t)> volume{};  // m^D, of a particle of that material on the start lattice
+  particles::array* concentration = nullptr;    // of an element, where the file has it
   std::int32_t number_of_materials() const { return std::max(1, static_cast<std::int32_t>(materials.size())); }
 };
 
@@ -128,6 +129,7 @@ void lay_out_file(state<D>& box, const std::vector<double>& places) {
 struct start_read {
   bool is_lattice;  // as many, by this program: IDs are those of the lattice, or else just numbers
   bool laid_anew;   // another number of particles: fields that the problem gave those of the lattice are 0
+  bool has_concentrations;
 };
 
 // Gives the fluid of this rank what the snapshot says of its particles: those of the start lattice that have the same
@@ -153,7 +155,9 @@ start_read start_from_file(const start_options& o, const taken_from_file& taken,
   detail::matter of{file.temperatures(taken.motion), {}, {}, file.materials(materials, taken.materials)};
   give(s.T, of.T, 1, 0);
   give(s.material, of.material, 1, 0);
-  const start_read read{!laid_anew && file.is_of_this_program(), laid_anew};
+  const bool dissolved = taken.concentration != nullptr && file.has("Concentration");
+  if (dissolved) give(*taken.concentration, file.concentrations(), 1, 0);
+  const start_read read{!laid_anew && file.is_of_this_program(), laid_anew, dissolved};
   const std::vector<double> reach(all, box.w.support());
   if (!taken.motion) {
     double share = 1.0;  // m^D, of a particle

@@ -49,7 +49,9 @@ class fields {
     if (box_ == nullptr) return;
     auto& w = box_->w;
     const passes::fields written = passes::of_sources(*box_);
-    e.each("sources", {.reads = {w.s.x}, .writes = written},
+    passes::fields read{w.s.x};
+    if (given_.by_temperature()) read.add({w.s.T});
+    e.each("sources", {.reads = read, .writes = written},
            [this](std::size_t first, std::size_t last) { write(first, last); });
     e.check(
         "sources", written, [this](std::size_t i) { return !not_finite(i); },
@@ -97,9 +99,9 @@ class fields {
     if (heat()) metrics["heat_of_sources"] = heat_supplied();
   }
 
-  // m/s2, K along an axis at a place where no particle is, at the time of the state; on any thread.
-  double force_at(std::size_t axis, const std::array<double, 3>& x) const {
-    return force() ? mine().at(axis, x, 0.0, box_->state_time) : 0.0;
+  // m/s2, K along an axis at a place and a temperature where no particle is, at the time of the state; on any thread.
+  double force_at(std::size_t axis, const std::array<double, 3>& x, double temperature = 0.0) const {
+    return force() ? mine().at(axis, x, 0.0, temperature, box_->state_time) : 0.0;
   }
 
  private:
@@ -114,14 +116,14 @@ class fields {
       x[a] = s.x[a][i];
       if (box_->w.d.region.periodic[a] && !(x[a] >= 0.0 && x[a] < L)) x[a] -= L * std::floor(x[a] / L);
     }
-    return by.at(component, x, s.material[i], box_->state_time);
+    return by.at(component, x, s.material[i], s.T[i], box_->state_time);
   }
   // to[i] = of_all + the component.
   void fill(const all& by, std::size_t component, double of_all, particles::array& to, std::size_t first,
             std::size_t last) const {
     if (first == last) return;
     if (by.uniform(component)) {
-      const double everywhere = of_all + by.at(component, {}, 0.0, box_->state_time);
+      const double everywhere = of_all + by.at(component, {}, 0.0, 0.0, box_->state_time);
       for (std::size_t i = first; i < last; ++i) to[i] = everywhere;
     } else {
       for (std::size_t i = first; i < last; ++i) to[i] = of_all + value(by, component, i);

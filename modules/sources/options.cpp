@@ -6,7 +6,8 @@ namespace tetsuame::sources {
 
 namespace {
 
-const std::vector<std::string> variables{"x", "y", "z", "t", "material", "length_x", "length_y", "length_z", "spacing"};
+const std::vector<std::string> variables{"x",        "y",        "z",       "t",          "material",
+                                         "length_x", "length_y", "length_z", "spacing", "T"};
 constexpr std::array<const char*, all::number> keys{"force_x", "force_y", "force_z", "heating"};
 
 std::array<std::string, all::number> texts_of(const options& o) {
@@ -16,10 +17,12 @@ std::array<std::string, all::number> texts_of(const options& o) {
 }  // namespace
 
 void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
+  o.temperature = of_problem.temperature;
   schema.group(
       "sources",
-      "forces and heat from outside: numbers, or expressions of x, y, z (m), t (s), material (0, 1, ..., as in "
-      "snapshots), length_x, length_y, length_z, spacing (m), pi and &constants");
+      fmt::format("forces and heat from outside: numbers, or expressions of x, y, z (m), t (s), material (0, 1, ..., as "
+                  "in snapshots), {}length_x, length_y, length_z, spacing (m), pi and &constants",
+                  o.temperature ? "T (K), " : ""));
   for (std::size_t a = 0; a < 3 && of_problem.force; ++a)
     schema.add("sources", keys[a], o.force[a],
                {.unit = "m/s^2",
@@ -36,7 +39,7 @@ all::all(const std::array<std::string, number>& texts, const std::map<std::strin
   for (std::size_t k = 0; k < number; ++k) {
     if (texts[k].empty()) continue;
     value_[k].emplace(texts[k], variables, constants);
-    uniform_[k] = !value_[k]->uses({"x", "y", "z", "material"});
+    uniform_[k] = !value_[k]->uses({"x", "y", "z", "material", "T"});
   }
 }
 
@@ -49,14 +52,28 @@ all::all(const namelist::schema& schema, const options& o, const regions::consta
     if (texts[k].empty()) continue;
     if (k < heat && static_cast<int>(k) >= dimension)
       schema.fail("sources", keys[k], fmt::format("there is no {}", "xyz"[k]));
-    schema.placed("sources", keys[k], [&] { return regions::expression(texts[k], variables, constants); });
+    const auto value =
+        schema.placed("sources", keys[k], [&] { return regions::expression(texts[k], variables, constants); });
+    if (!o.temperature && value.uses({"T"}))
+      schema.fail("sources", keys[k], "this problem has no equation of the temperature");
   }
   *this = all(texts, constants, box, spacing);
 }
 
-double all::at(std::size_t component, const std::array<double, 3>& x, double material, double t) const {
+bool all::by_temperature() const {
+  return std::ranges::any_of(value_, [](const auto& value) { return value && value->uses({"T"}); });
+}
+
+void all::refuse_temperature(const namelist::schema& schema, const std::string& why) const {
+  for (std::size_t k = 0; k < number; ++k)
+    if (value_[k] && value_[k]->uses({"T"})) schema.fail("sources", keys[k], "T is found after forces and heat: " + why);
+}
+
+double all::at(std::size_t component, const std::array<double, 3>& x, double material, double temperature,
+               double t) const {
   if (!value_[component]) return 0.0;
-  const std::array<double, 9> values{x[0], x[1], x[2], t, material, box_[0], box_[1], box_[2], spacing_};
+  const std::array<double, 10> values{x[0],    x[1],    x[2],    t,        material,
+                                      box_[0], box_[1], box_[2], spacing_, temperature};
   return value_[component]->at(values);
 }
 

@@ -4,8 +4,12 @@ The targets are in docs/theory and the inputs. Where fewer steps are taken than 
 for, the law does not need them, and the test says why.
 """
 
+import math
 import re
 import unittest
+
+import h5py
+import numpy as np
 
 from running import CALCULATION_FAILED, Case
 
@@ -177,6 +181,26 @@ class Column(Case):
         self.assertEqual(s["metrics"]["particles_put_back"], 0)
         two = self.run_program("disph_c", "hydrostatic_column", settings, options=["--restart", alone.directory / "checkpoint_00000800.h5"], ranks=2)
         self.assertEqual(two.summary["state_hash"], s["state_hash"])
+
+
+class Plates(Case):
+    def test_heat_and_drag_enter_by_the_wall(self):
+        """A floor that moves and is hot, under a liquid of Prandtl number 1 (Stokes' first problem): (T - 300)/10 = v/U = erfc(y/(2 sqrt(nu t))).
+        Off by what the lattice resolves of a layer of 4.5 spacings; images, and markers, of both transport coefficients."""
+        box = self.here / "plate.nml"
+        box.write_text("&domain length_x = 0.375 length_y = 1 particles_x = 12 particles_y = 32 /\n&initial temperature = 300 pressure = 0.1 /\n"
+                       "&material eos = 'linear' reference_density = 1 reference_temperature = 300 bulk_modulus = 1 thermal_expansivity = 0 "
+                       "heat_capacity = 1e3 viscosity = 0.01 conductivity = 10 /\n&time method = 'order_2' dt = 0.01 steps = 50 /\n"
+                       "&walls thermal_bottom = 'fixed' temperature_bottom = 310 velocity_bottom = 0.01 /\n")
+        for program, treatment, much in [("disph_c", "mirror", 0.02), ("disph_c", "virtual_marker", 0.03), ("disph_f", "mirror", 0.02),
+                                         ("ssph", "mirror", 0.02)]:
+            with self.subTest(program=program, treatment=treatment):
+                run = self.run_program(program, box, {**QUIET, "walls.treatment": f"'{treatment}'"})
+                with h5py.File(sorted(run.directory.glob("snapshot_*.h5"))[-1]) as file:
+                    x, v, T = (file[f"PartType0/{name}"][...] for name in ("Coordinates", "Velocities", "Temperature"))
+                exact = np.array([math.erfc(y / (2 * math.sqrt(0.01 * 0.5))) for y in x[:, 1]])
+                self.assertLess(np.abs((T - 300) / 10 - exact).max(), much)
+                self.assertLess(np.abs(v[:, 0] / 0.01 - exact).max(), much)
 
 
 class Integration(Case):

@@ -129,6 +129,19 @@ class Regions(Case):
         g = particles(self.run_program("convection", "blankenbach_1a", {"domain.particles_x": 16, "domain.particles_y": 16, "time.steps": 1,
                                                                         "convection.levels": 0}))
         np.testing.assert_allclose(f["Temperature"], g["Temperature"] + 10, rtol=1e-12)
+        # A box at rest: what is warmer is lighter, at the same pressure; p = K (rho/rho0 - 1) + alpha K (T - T0) + p0 of the linear equation.
+        box = ("&domain length_x = 1 length_y = 1 particles_x = 12 particles_y = 12 /\n&initial temperature = 300 pressure = 1e5 /\n&gravity g = 10 /\n"
+               "&material eos = 'linear' reference_density = 1e3 reference_temperature = 300 bulk_modulus = 1e9 thermal_expansivity = 1e-4 "
+               "heat_capacity = 1e3 /\n&time steps = 0 /\n&region condition = 'y > 0.5' temperature = 'T + 20*x' velocity_x = 'y' /\n")
+        run = self.run_program("disph_n", self.given(box))
+        f = particles(run)
+        x, y = f["Coordinates"].T[:2]
+        p = f["PressureReference"]
+        np.testing.assert_allclose(f["Temperature"], np.where(y > 0.5, 300 + 20 * x, 300), rtol=1e-12)
+        np.testing.assert_allclose(f["Density"], 1e3 * (1 + (p - 1e5 - 1e5 * (f["Temperature"] - 300)) / 1e9), rtol=1e-12)
+        np.testing.assert_allclose(f["Masses"], f["Density"] / 144, rtol=1e-12)
+        np.testing.assert_allclose(f["Velocities"][:, 0], np.where(y > 0.5, y, 0), rtol=1e-12)
+        self.assertFalse(run.summary["errors"])
         plate = "&domain length_x = 0.2 length_y = 0.2 particles_x = 10 particles_y = 10 periodic_x = .true. /\n&conduction /\n&time steps = 1 /\n"
         f = particles(self.run_program("conduction", self.given(plate + warm)))
         x, y = f["Coordinates"][:, 0], f["Coordinates"][:, 1]

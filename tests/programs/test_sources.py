@@ -70,6 +70,21 @@ class Sources(Case):
         np.testing.assert_allclose(f["Velocities"][:, 1], 0.15, rtol=1e-9)
         self.assertLess(abs(run.summary["metrics"]["energy_residual"]), 1e-9)
 
+    def test_a_force_by_temperature(self):
+        """J warms all alike, T = 2500 + J t/c, and K = a (T - 2500) moves it, v = a J t²/(2 c): exact with a method of second order, in every
+        scheme. In convection a force can be half of the buoyancy: what is left is sound, as the start's pressure holds that of gravity alone."""
+        given = self.given(AT_REST + "&sources heating = 4e3 force_y = '3*(T - 2500)' /\n")
+        for program in ("disph_c", "disph_n", "ssph"):
+            with self.subTest(program=program):
+                run = self.run_program(program, given, {"time.method": "order_2", "time.dt": 0.01, "time.steps": 50})
+                np.testing.assert_allclose(particles(run)["Velocities"][:, 1], 3 * 5 * 0.5**2 / 2, rtol=1e-9)
+        # Half of the buoyancy by gravity, half by a force; sound is as slow in both.
+        how = {"domain.particles_x": 16, "domain.particles_y": 16, "time.t_end": 60, "convection.levels": 0, "initial.perturbation": 0.2}
+        whole = particles(self.run_program("convection", "air_1e4", how))
+        halves = particles(self.run_program("convection", "air_1e4", {
+            **how, "gravity.g": 5, "relaxation.mach": 0.2 / 2**0.5, "sources.force_y": "'5*7.1e-3*(T - 1e-2*(1 - y/length_y))'"}))
+        np.testing.assert_allclose(halves["Velocities"], whole["Velocities"], atol=0.02 * np.abs(whole["Velocities"]).max())
+
     def test_conduction_with_a_source(self):
         """c T' = κ c T'' + J with J = c κ (π/L)² A sin(πy/L): beside the plate's own solution A (1 - exp(-κπ²t/L²)) sin(πy/L). The same
         errors as without the source, as in the test of conduction."""
@@ -187,6 +202,9 @@ class Sources(Case):
                 ("disph_c", at_rest, {"sources.force_y": "'sqrt(-x)'"}, ["&sources force_y = 'sqrt(-x)'", "not finite", "particle 0 at ("]),
                 ("rti", rti, {"sources.heating": 1, "rti.temperature_law": "'isothermal'"}, ["heating", "temperature_law"]),
                 ("flow", "sloshing", {"sources.heating": 1}, ["heating"]),
+                ("disph_c", at_rest, {"sources.heating": "T", "expert.energy_variable": "internal_energy"}, ["heating", "found after forces"]),
+                ("rti", rti, {"sources.force_x": "T", "rti.temperature_law": "'enthalpy'", "rti.start": "'coloured'"}, ["force_x", "found after forces", "enthalpy"]),
+                ("flow", "sloshing", {"sources.force_x": "T"}, ["force_x", "no equation of the temperature"]),
                 ("conduction", "conduction_plate", {"sources.force_x": 1}, ["force_x"]),
                 ("rti", rti, {"constants.name": "'t'", "constants.value": 1, "sources.force_x": "t"}, ["has a meaning already"])]:
             with self.subTest(**settings):

@@ -4,6 +4,7 @@ import shutil
 import unittest
 
 import h5py
+import numpy as np
 
 from running import BAD_INPUT, FILE_FAILED, Case, outcome
 
@@ -52,6 +53,20 @@ class Snapshot(Case):
                     self.assertTrue((start[field] == wanted[field]).all(), field)
                 self.assertEqual(outcome(self.run_program(program, "rti_linear", settings, ranks=3).summary), outcome(whole.summary))
 
+    def test_concentrations(self):
+        """Of &element: those of the file, else the input's by material; none is lost."""
+        element = {"element.name": "constant", "element.concentration_silicate": 2, "element.concentration_metal": 1, "time.steps": 2, "time.dt": 2.0}
+        start = self.run_program("rti", "rti_linear", {**self.settings, **element})
+        f = fluid(start.directory / "snapshot_0000.h5")
+        self.assertTrue((f["Concentration"] == np.where(f["Material"] == 1, 1, 2)).all())
+        wanted = 1 + np.arange(len(f["Material"])) % 7
+        self.change(lambda file: file["PartType0"].create_dataset("Concentration", data=wanted.astype(float)))
+        run = self.run_program("rti", "rti_linear", {**self.settings, **element})
+        self.assertTrue((fluid(run.directory / "snapshot_0000.h5")["Concentration"] == wanted).all())
+        self.assertLess(abs(run.summary["metrics"]["element_mass_error"]), 1e-10)  # of particles that differ sevenfold from one to the next
+        self.change(lambda file: file["PartType0/Concentration"].__setitem__(3, -0.5))
+        self.refuse(BAD_INPUT, "&initial file", "particle 3: its Concentration is -0.5, and below 0", **{"element.name": "constant"})
+
     def test_a_restart_needs_it_no_more(self):
         settings = {**self.settings, "time.dt": 2.0}
         whole = self.run_program("disph_f", "rti_linear", {**settings, "time.steps": 5})
@@ -85,7 +100,6 @@ class Snapshot(Case):
         self.refuse(BAD_INPUT, "&initial file", "holds 256 particles", "beside 75000 m of &domain", "particles_x = 16", **{"domain.particles_x": 20, "domain.particles_y": 20})
         self.refuse(BAD_INPUT, "&initial file", "has 2 dimensions, and the box 3", **{"domain.dimension": 3, "domain.particles_z": 16})
         self.refuse(BAD_INPUT, "&initial file", "another box", "1000000 x 1000000 m", **{"domain.length_x": 1e6, "domain.length_y": 1e6, "rti.wavelength": 1e6})
-        self.refuse(BAD_INPUT, "&initial file", "&element", **{"element.name": "constant"})
         material = fluid(self.file)["Material"][5]
         self.change(lambda file: file["PartType0/Material"].__setitem__(5, 2))
         self.refuse(BAD_INPUT, "&initial file", "particle 5", "Material is 2: expected 0 or 1")

@@ -86,7 +86,7 @@ std::array<double, 5> means_over_box(const convection_state<D>& state) {
     if (state.sources.force()) {
       std::array<double, 3> x{};
       for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
-      for (std::size_t a = 0; a < D; ++a) work[i] += state.sources.force_at(a, x) * s.v[a][i];
+      for (std::size_t a = 0; a < D; ++a) work[i] += state.sources.force_at(a, x, s.T[i]) * s.v[a][i];
     }
     cooling[i] = buoyancy_slope(layer, y, T) * rising * T;
   });

@@ -46,7 +46,7 @@ double pressure_slope(const convection_state<D>& state, const walls::side<D>& wa
     std::array<double, 3> at_wall{};
     for (std::size_t a = 0; a < D; ++a) at_wall[a] = state.fluid().x[a][source];
     at_wall[wall.axis] = wall.position;
-    slope += rho * wall.inward * state.sources.force_at(wall.axis, at_wall);
+    slope += rho * wall.inward * state.sources.force_at(wall.axis, at_wall, 0.5 * (T_inside + T));
   }
   return slope;
 }

@@ -265,7 +265,7 @@ void declare(namelist::schema& schema, options& o) {
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true, .bodies = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
   regions::declare(schema, of_regions, o.of_regions);
-  sources::declare(schema, {.heating = false}, o.of_sources);
+  sources::declare(schema, {.heating = false, .temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
                 .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"},

@@ -179,7 +179,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
   regions::declare(schema, of_regions, o.of_regions);
-  sources::declare(schema, {}, o.of_sources);
+  sources::declare(schema, {.temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
                 .kernels = {"quintic", "wendland_c4"},

@@ -96,10 +96,11 @@ class problem : public liquid::problem<D> {
   void report_results(double, run::summary& r) override {
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
-    r.errors = {{"pressure_mean", e.pressure_mean},
-                {"pressure_max", e.pressure_max},
-                {"density_max", e.density_max},
-                {"displacement_max_over_dx", e.displacement_max_over_dx}};
+    if (!o_.regions.any())
+      r.errors = {{"pressure_mean", e.pressure_mean},
+                  {"pressure_max", e.pressure_max},
+                  {"density_max", e.density_max},
+                  {"displacement_max_over_dx", e.displacement_max_over_dx}};
     double momentum = 0.0;
     for (std::size_t a = 0; a < D; ++a)
       momentum = std::max(momentum, std::abs(t.momentum[a] - start_->momentum[a]) / start_->sound_momentum);

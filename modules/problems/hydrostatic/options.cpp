@@ -74,7 +74,7 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
   volume::declare(schema, o.scheme);
-  regions::declare(schema, o.constants);
+  regions::declare(schema, of_regions, o.of_regions);
   sources::declare(schema, {}, o.of_sources);
   run::declare(schema, o, {.single_pairs = true, .diffuses = false, .starts_from_file = true, .settles = true});
 }
@@ -94,8 +94,15 @@ void resolve(const namelist::schema& schema, options& o) {
   const auto material = schema.placed("material", "eos", [&] { return eos::make(o.material.eos); });
   schema.placed("material", o.material.eos.table.empty() ? "bulk_modulus" : "table",
                 [&] { profile(o, material).pressure(0.0); });
-  o.sources = sources::all(schema, o.of_sources, o.constants, static_cast<int>(o.domain.dimension), o.domain.length,
-                           o.domain.dx());
+  const int dimension = static_cast<int>(o.domain.dimension);
+  o.regions = regions::all(schema, of_regions, o.of_regions, dimension, o.domain.length, o.domain.dx());
+  if (o.regions.any() && !o.start.file.empty())
+    schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
+  for (const auto w : {regions::what::velocity_x, regions::what::velocity_y, regions::what::velocity_z})
+    if (o.start.settles() && o.regions.give(w))
+      schema.fail("initial", "settle", "the start moves: &region gives velocities");
+  o.sources = sources::all(schema, o.of_sources, o.of_regions, dimension, o.domain.length, o.domain.dx());
+  if (o.scheme.energy.internal()) o.sources.refuse_temperature(schema, "&energy variable is the internal energy");
   run::check_output(schema, o, o.domain,
                     {"Weight", "InternalEnergyGain", "Viscosity", "PressureEOS", "SoundSpeed", "PressureReference",
                      "DensityReference", "Displacement"});

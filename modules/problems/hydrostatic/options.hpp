@@ -1,14 +1,17 @@
-// The input of a box at rest: &domain, &initial, &gravity, &sources, &constants, &material, &walls, &smoothing,
+// The input of a box at rest: &domain, &initial, &gravity, &region, &sources, &constants, &material, &walls, &smoothing,
 // &hosono, and the groups that all programs have (run/options.hpp).
 #pragma once
 
 #include <eos/eos.hpp>
+#include <regions/region.hpp>
 #include <run/options.hpp>
 #include <sources/options.hpp>
 #include <volume/options.hpp>
 #include <walls/options.hpp>
 
 namespace tetsuame::hydrostatic {
+
+inline const regions::abilities of_regions{.temperature = true, .velocity = true};
 
 struct initial_options {
   double temperature = 2500.0;          // K
@@ -30,7 +33,8 @@ struct options : run::common_options {
   material_options material;
   walls::options walls;
   volume::options scheme;
-  regions::constants constants;
+  regions::options of_regions;  // as the input has them
+  regions::all regions;
   sources::options of_sources;  // as the input has them
   sources::all sources;
 

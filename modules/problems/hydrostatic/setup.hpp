@@ -2,9 +2,11 @@
 #pragma once
 
 #include <hydrostatic/profile.hpp>
+#include <regions/apply.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
+#include <walls/images.hpp>
 
 namespace tetsuame::hydrostatic {
 
@@ -49,6 +51,28 @@ std::array<double, D> displacement(const scene<D>& scene, std::size_t i) {
   return d;
 }
 
+// Temperatures and velocities of &region. What is warmer is lighter: densities are those at the pressure of the profile.
+template <int D>
+void change_regions(const options& o, scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  if (!o.regions.any()) return;
+  const auto at = [&](std::size_t i) {
+    regions::place x{};
+    for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
+    return x;
+  };
+  regions::apply(
+      w.d.ranks, o.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
+      [&](std::size_t i, const regions::values& v) {
+        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v.velocity[a].value_or(0.0);
+        if (!v.temperature) return;
+        s.T[i] = *v.temperature;
+        s.rho[i] = eos::density(w.materials[0], scene.p_exact[start_place(scene, s.id[i])[1]], s.T[i]);
+        s.m[i] = s.rho[i] * std::pow(w.dx, D);
+      });
+}
+
 // The fluid, which stands on the start lattice: masses m = ρ Δx^D of the exact profile at its rows, so that jitter
 // changes neither; or as a snapshot has it.
 template <int D>
@@ -73,6 +97,7 @@ void fill_fluid(const options& o, scene<D>& scene) {
     s.eta[i] = o.material.viscosity;
     s.k[i] = o.material.conductivity;
   }
+  change_regions(o, scene);
   if (!o.start.is_read()) return;
   const auto [low, high] = std::minmax_element(scene.p_exact.begin(), scene.p_exact.end());
   run::start_from_file(o.start, {.pressures = {*low, *high}, .volume = [&](std::size_t) { return std::pow(w.dx, D); }},
@@ -111,12 +136,12 @@ void place_walls(const options& o, scene<D>& scene) {
   scene.walls.rho_given.assign(s.rho.begin() + begin, s.rho.begin() + end);
 }
 
-// Lists and what stays while they hold: transport coefficients of ghosts.
+// Lists and what stays while they hold: transport coefficients of ghosts and images.
 template <int D>
 void rebuild(scene<D>& scene, bool as_they_were = false) {
   auto& s = scene.w.s;
   run::rebuild(scene, as_they_were);
-  scene.w.exchange_fluid({s.eta.data(), s.k.data()});
+  walls::update_ghosts_and_images(scene.w, scene.walls, walls::even({&s.eta, &s.k}));
 }
 
 // m/s, the largest of the exact profile.

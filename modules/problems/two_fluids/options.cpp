@@ -177,8 +177,6 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   check_slowing(schema, kind, o);
   check_element(schema, o.element);
   find_elasticity(o, p);
-  if (!o.common.start.file.empty() && o.element.name != "none")
-    schema.fail("initial", "file", "the concentrations of &element are not read from a snapshot");
   if (o.conducts() && o.temperature_law == "isothermal") refuse_conduction(schema, kind, o);
   make_materials(schema, kind, o, p);
   find_layers(schema, kind, o, p);

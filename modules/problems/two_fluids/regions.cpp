@@ -24,6 +24,7 @@ void resolve_regions(const namelist::schema& schema, problem_kind kind, const op
   p.sources = sources::all(schema, o.sources, o.regions, static_cast<int>(o.domain.dimension), o.domain.length, p.dx);
   if (p.sources.heats() && o.temperature_law == "isothermal")
     schema.fail("sources", "heating", "there is nothing to heat at one temperature: temperature_law");
+  if (o.temperature_law == "enthalpy") p.sources.refuse_temperature(schema, "temperature_law = 'enthalpy'");
   if (!p.regions.any()) return;
   const char* group = group_of(kind);
   if (!o.common.start.file.empty())

@@ -245,14 +245,18 @@ void take_from_file(fluids<D>& f) {
   };
   const auto read = run::start_from_file(
       f.o.common.start,
-      {.materials = f.o.names(), .pressures = {std::min(top, floor), std::max(top, floor)}, .volume = volume}, f.world);
+      {.materials = f.o.names(),
+       .pressures = {std::min(top, floor), std::max(top, floor)},
+       .volume = volume,
+       .concentration = f.dissolved ? &f.element : nullptr},
+      f.world);
   expect_all_materials(f, f.o.common.start.place + f.o.common.start.file);
   if (read.laid_anew) f.placed = f.world.fluid_total;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     f.rho_start[i] = s.rho[i];
     f.T_start[i] = s.T[i];
     if (read.laid_anew && f.follows) f.support[i] = f.S_0;
-    if (f.dissolved) start_element(f, i);
+    if (f.dissolved && !read.has_concentrations) start_element(f, i);
     if (f.enthalpy) take_up_heat(f, i);
     for (std::size_t a = 0; a < D; ++a) {
       if (!read.is_lattice) s.x_start[a][i] = s.x[a][i];
