@@ -6,13 +6,16 @@
 //
 // B is the unit tensor, or solves -Σ V F r_a r_b (eᵀB e) = δ_ab: then every second moment is right, and not their sum
 // only. L is exact for quadratic fields where the neighbourhood is symmetric; elsewhere a part of second order in its
-// asymmetry is left, G's error times Σ V F s r [after Fatehi & Manzari, Comput. Math. Appl. 61, 482 (2011), who take it
-// into B].
+// asymmetry is left, G's error times Σ V F s r, which no resolution takes away. Skewed: B takes it in [after Fatehi &
+// Manzari, Comput. Math. Appl. 61, 482 (2011)],
+//   -Σ V F s (r_a r_b + N_ab·r) = δ_ab,   N_ab = M⁻¹ Σ V F r r_a r_b,   m_s = -Σ V F s (r² + N_aa·r)
+// so that L is exact for quadratic fields on any arrangement.
 //
 // Deferred correction (docs/theory/convection.md#derivatives), with R = Σ F r⁴/Σ F r² on a lattice: with P(f), the
 // plain Laplacian of an earlier evaluation, L(f - β P) and G(f - 2β P), β = R/(4(d + 2)), are of fourth order there.
 #pragma once
 
+#include <algorithm>
 #include <kernels/kernel.hpp>
 #include <operators/symmetric.hpp>
 #include <pairs/pairs.hpp>
@@ -35,9 +38,9 @@ struct results {
 
 // `whole`: with the next P and B. Who keeps those of the start of a step needs them only there, and saves a third else.
 // `wanted`: bit k, L of field k is asked for; the rest of out.laplacian is not written.
-template <int D, int K, bool whole = true, unsigned wanted = ~0U>
+template <int D, int K, bool whole = true, unsigned wanted = ~0U, bool skewed = false>
 struct consistent {
-  static constexpr std::size_t S = symmetric_terms(D);
+  static constexpr std::size_t S = symmetric_terms(D), third = skewed ? D * S : 0;
 
   std::array<const double*, K> f, P;
   std::array<const double*, S> B;  // dimensionless; null: the unit tensor
@@ -56,6 +59,7 @@ struct consistent {
     std::array<pairs::vec<R, D>, K> gradient;       // Σ F r (f_i - f_j), of f - 2β P
     std::array<R, K> laplacian;                     // Σ F s (f_i - f_j), of f - β P
     std::array<R, whole ? K : 0> plain;             // of f
+    std::array<R, third> T, U;                      // Σ F r_k r_a r_b, Σ F r_k e_a e_b, k behind k
   };
 
   auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_corrections, P, 0, beta)}; }
@@ -71,6 +75,7 @@ struct consistent {
     }
     a.first = foundation::zero<R, D>();
     a.m_s = R(0.0);
+    for (std::size_t k = 0; k < third; ++k) a.T[k] = a.U[k] = R(0.0);
     for (std::size_t k = 0; k < K; ++k) {
       a.gradient[k] = foundation::zero<R, D>();
       a.laplacian[k] = R(0.0);
@@ -99,6 +104,15 @@ struct consistent {
         for (std::size_t k = 0; k < S; ++k) {
           const auto part = F_per_r2 * rr[k];
           for (std::size_t l = k; l < S; ++l) a.Q[k][l] += part * rr[l];
+        }
+    }
+    if constexpr (skewed) {
+      const auto F_per_r2 = F / ij.r2;
+      for (std::size_t p = 0; p < D; ++p)
+        for (std::size_t k = 0; k < S; ++k) {
+          const auto rrr = r[p] * rr[k];
+          a.T[p * S + k] += F * rrr;
+          a.U[p * S + k] += F_per_r2 * rrr;
         }
     }
     for (std::size_t k = 0; k < S; ++k) a.M[k] += F * rr[k];
@@ -132,6 +146,10 @@ struct consistent {
     }
     for (std::size_t p = 0; p < D; ++p) all.first[p] = of(a.first[p], -d - 1);
     all.m_s = of(a.m_s, -d);
+    for (std::size_t k = 0; k < third; ++k) {
+      all.T[k] = of(a.T[k], -d + 1);
+      all.U[k] = of(a.U[k], -d - 1);
+    }
     for (std::size_t k = 0; k < K; ++k) {
       for (std::size_t p = 0; p < D; ++p) all.gradient[k][p] = of(a.gradient[k][p], -d - 1);
       all.laplacian[k] = of(a.laplacian[k], -d - 2);
@@ -152,7 +170,17 @@ struct consistent {
       return;
     }
     const auto first = V * a.first;
-    const real scale = -2.0 * d / (V * a.m_s);
+    real m_s = -V * a.m_s;
+    std::array<std::array<real, D>, skewed ? S : 0> N;
+    for (std::size_t k = 0; k < N.size(); ++k) {
+      std::array<real, D> T;
+      for (std::size_t p = 0; p < D; ++p) T[p] = V * a.T[p * S + k];
+      N[k] = solve(M, T);
+    }
+    if constexpr (skewed)
+      for (std::size_t c = 0; c < D; ++c)
+        for (std::size_t p = 0; p < D; ++p) m_s -= N[symmetric_place(c, c, D)][p] * first[p];
+    const real scale = 2.0 * d / m_s;
     for (std::size_t k = 0; k < K; ++k) {
       const auto G = solve(M, (-V * a.gradient[k]).c);
       real linear = 0.0;
@@ -164,7 +192,12 @@ struct consistent {
       if constexpr (whole) i.set(out.plain[k], scale * (V * a.plain[k] - linear));
     }
     if constexpr (whole)
-      if (B[0] != nullptr) next_tensor(i, a);
+      if (B[0] != nullptr) {
+        if constexpr (skewed)
+          next_skewed_tensor(i, a, N);
+        else
+          next_tensor(i, a);
+      }
   }
 
   // -Σ V F r_a r_b (eᵀB e) = δ_ab. Where it cannot be solved the unit tensor stays.
@@ -184,6 +217,29 @@ struct consistent {
     const auto solvable = factorise(A);
     const auto solution = solve(A, b);
     for (std::size_t k = 0; k < S; ++k) i.set(out.next_B[k], foundation::select(solvable, solution[k], b[k]));
+  }
+
+  // The same with N. Not symmetric; next to the symmetric matrix, so that elimination needs no pivots.
+  void next_skewed_tensor(const pairs::cluster<real>& i, const me<real>& a,
+                          const std::array<std::array<real, D>, S>& N) const {
+    std::array<std::array<real, S>, S> A;
+    std::array<real, S> b;
+    std::array<double, S> weight;
+    std::size_t n = 0;
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = p; q < D; ++q, ++n) {
+        b[n] = p == q ? 1.0 : 0.0;
+        weight[n] = p == q ? 1.0 : 2.0;
+      }
+    for (std::size_t k = 0; k < S; ++k)
+      for (std::size_t l = 0; l < S; ++l) {
+        real moment = -V * a.Q[std::min(k, l)][std::max(k, l)];
+        for (std::size_t p = 0; p < D; ++p) moment -= N[k][p] * V * a.U[p * S + l];
+        A[k][l] = weight[l] * moment;
+      }
+    const auto unit = b;
+    const auto solvable = eliminate(A, b);
+    for (std::size_t k = 0; k < S; ++k) i.set(out.next_B[k], foundation::select(solvable, b[k], unit[k]));
   }
 };
 

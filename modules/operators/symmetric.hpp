@@ -39,6 +39,27 @@ auto factorise(Matrix& A, double singular = 1e-10) {
   return definite;
 }
 
+// b becomes A⁻¹ b, by elimination without pivots: for matrices near a positive definite one. False where a pivot has
+// lost its sign or all but a share of its size. Of lanes a mask.
+template <class Matrix>
+auto eliminate(Matrix& A, typename Matrix::value_type& b, double singular = 1e-10) {
+  constexpr std::size_t N = std::tuple_size_v<Matrix>;
+  decltype(A[0][0] > A[0][0]) regular(true);
+  for (std::size_t k = 0; k < N; ++k)
+    for (std::size_t i = k + 1; i < N; ++i) {
+      const auto diagonal = A[i][i];
+      const auto part = A[i][k] / A[k][k];
+      for (std::size_t l = k; l < N; ++l) A[i][l] -= part * A[k][l];
+      b[i] -= part * b[k];
+      regular = regular && A[i][i] > singular * diagonal;
+    }
+  for (std::size_t k = N; k-- > 0;) {
+    for (std::size_t l = k + 1; l < N; ++l) b[k] -= A[k][l] * b[l];
+    b[k] /= A[k][k];
+  }
+  return regular && A[0][0] > A[0][0] * singular;
+}
+
 // c with L Lᵀ c = b, from factorise().
 template <class Matrix>
 typename Matrix::value_type solve(const Matrix& L, typename Matrix::value_type b) {
