@@ -87,6 +87,7 @@ struct bodies {
   std::vector<solids::body<D>> given;      // of the input, with their images where they do not move
   std::vector<motion_of_body<D>> motions;  // one a body
   contact_rule contact = {};
+  bool fitted = false;  // wall particles fit the surfaces of bodies (solids/fit.hpp); else they stand on the lattice
 
   solids::body<D> all = {};    // the bodies as one, as they begin
   solids::body<D> solid = {};  // all bodies and, beyond the sides, the tank; without pieces where there are no bodies

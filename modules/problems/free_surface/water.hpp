@@ -78,6 +78,7 @@ struct water : rigid::bodies<D> {
         o(of_input),
         p(that_follow) {
     const double c = p.water.sound;
+    this->fitted = true;
     this->contact = {.gravity = gravity(), .held_below = slow * c, .at_rest = rigid::at_rest * c};
   }
 
