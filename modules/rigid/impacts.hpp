@@ -1,5 +1,5 @@
-// Momentum of the fluid that is put back to the surface of a body, or held there (contact.hpp): what the fluid gains the
-// body loses.
+// Momentum of the fluid that is put back to the surface of a body, or held there (contact.hpp): what the fluid gains
+// the body loses.
 //
 // A particle of mass m that leaves a free body with the relative velocity u' instead of u has from it the impulse J d,
 // d = u' - u, at x = c + r (derived here):
@@ -70,8 +70,8 @@ void count_impact(bodies<D>& set, std::size_t i, std::size_t body, const solids:
   const auto& s = set.state.w.s;
   const auto after = velocity_of<D>(s, i), change = after - before;
   set.impacts.push_back({body, x, set.image_at(body, x), s.m[i] * change});
-  set.energy_of_impacts.push_back(
-      s.m[i] * (0.5 * foundation::dot(change, after + before) + set.contact.gravity * risen));
+  set.energy_of_impacts.push_back(s.m[i] *
+                                  (0.5 * foundation::dot(change, after + before) + set.contact.gravity * risen));
 }
 
 // About which axes a body does not turn: one that runs through periodic sides turns about their axis alone.
@@ -90,7 +90,7 @@ struct meeting {
   std::size_t i;
   const moving_body<D>* body;
   bool lies;
-  double risen;                             // m
+  double risen;                                // m
   solids::point<D> velocity, normal, surface;  // m/s; m, where it leaves
 };
 
@@ -154,9 +154,12 @@ void meet_free_bodies(bodies<D>& set, std::vector<meeting<D>> here) {
   std::vector<row> rows(most);
   for (std::size_t k = 0; k < here.size(); ++k) {
     const auto& m = here[k];
-    rows[k] = {static_cast<double>(s.id[m.i]), static_cast<double>(m.body - set.moving.data()),
-               m.lies ? 1.0 : 0.0,             s.m[m.i],
-               m.risen,                        {m.velocity, m.normal, m.surface, set.image_at(m.body->body, m.surface)}};
+    rows[k] = {static_cast<double>(s.id[m.i]),
+               static_cast<double>(m.body - set.moving.data()),
+               m.lies ? 1.0 : 0.0,
+               s.m[m.i],
+               m.risen,
+               {m.velocity, m.normal, m.surface, set.image_at(m.body->body, m.surface)}};
   }
   const auto* flat = reinterpret_cast<const double*>(rows.data());
   const auto every = ranks.every(std::span<const double>(flat, width * rows.size()));

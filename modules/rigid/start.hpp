@@ -6,7 +6,8 @@
 
 namespace tetsuame::rigid {
 
-// Places of the lattice in a body at rest, or such that fit it, as deep as the kernel reaches, where it ever comes into the box.
+// Places of the lattice in a body at rest, or such that fit it, as deep as the kernel reaches, where it ever comes into
+// the box.
 template <int D>
 std::vector<solids::point<D>> lattice_in(const bodies<D>& set, std::size_t body) {
   const auto& of = set.given[body];

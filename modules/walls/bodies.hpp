@@ -96,8 +96,7 @@ void list_bodies(const pairs::workspace<D>& w, wall_set<D>& set, const cells::gr
 // leave: all of it from two thirds on, nothing up to one third. At a plane surface, where half is filled, these are
 // about half a spacing below and above it: the first row of markers in the fluid, and the first outside. Spray fills
 // less; so at least the sum of hats about particles, 1 - r/Δx, whose integral is that of their own volume: pi/3 Δx^D,
-// in two and three dimensions. What has passed the marker on its way to the surface wets what is behind it by as much
-// as if it stood there: a drop meets the wall particles of all depths, and is stopped by their pressure.
+// in two and three dimensions.
 inline double wetness(double filled, double hats) { return std::clamp(std::max(3.0 * filled - 1.0, hats), 0.0, 1.0); }
 
 // Of N values of the fluid about a marker, weighted by kernel and volume: means, and for the first `Linear` of them,
@@ -147,7 +146,7 @@ void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value
   foundation::for_all(bodies.places.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r;
     const auto& of = bodies.places[r];
-    double hats = 0.0, passed = 0.0;
+    double hats = 0.0;
     marker_sums<N, Linear> sums;
     for (const std::uint32_t j : bodies.near.row(r)) {
       const double away = distance_between<D>(w, of.marker, j);
@@ -155,12 +154,9 @@ void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value
       double above = of.height;
       for (std::size_t a = 0; a < D; ++a) above += (s.x[a][j] - of.marker[a]) * of.normal[a];
       hats += std::max(0.0, 1.0 - away / w.dx);
-      const double below = std::max(0.0, of.height - above), beside2 = away * away - below * below;
-      if (below > 0.0 && beside2 < w.dx * w.dx)
-        passed = std::max(passed, 1.0 - std::sqrt(std::max(0.0, beside2)) / w.dx);
       sums.add(kernel(away) * s.dV[j], above / w.dx, value(j, i));
     }
-    const double wet = wetness(sums.filled / std::max(bodies.room[r], least_room), std::max(hats, passed));
+    const double wet = wetness(sums.filled / std::max(bodies.room[r], least_room), hats);
     put(i, of, wet, sums.at(of.height / w.dx));
   });
 }

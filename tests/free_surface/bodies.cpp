@@ -277,8 +277,8 @@ BOOST_AUTO_TEST_CASE(state_of_bodies) {
   BOOST_TEST(f.moving.front().now.shift[0] == 0.3);
 }
 
-// What has entered a free body leaves it with what the body loses, of momentum and of angular momentum, and as fast as it
-// came; whatever the body weighs, whoever comes first.
+// What has entered a free body leaves it with what the body loses, of momentum and of angular momentum, and as fast as
+// it came; whatever the body weighs, whoever comes first.
 template <int D>
 void put_back_of(const std::string& input) {
   scene<D> scene(input);
@@ -306,7 +306,8 @@ void put_back_of(const std::string& input) {
         return k < D ? mv[k] : solids::moment<D>(of_solids<D>(f.place(i)), mv)[k - D];
       };
       const auto mv = b.free->mass * b.rate.velocity;
-      all[k] = scene.sum(of) + (k < D ? mv[k] : solids::moment<D>(b.rate.centre, mv)[k - D] + b.free->angular_momentum[k - D]);
+      all[k] = scene.sum(of) +
+               (k < D ? mv[k] : solids::moment<D>(b.rate.centre, mv)[k - D] + b.free->angular_momentum[k - D]);
       size[k] = scene.sum([&](std::size_t i) { return std::abs(of(i)); });
     }
     return std::pair{all, size};
@@ -346,7 +347,8 @@ BOOST_AUTO_TEST_CASE(put_back_by_free_bodies) {
         "&flow low_x = 0.4 high_x = 1.6 low_y = 0.4 high_y = 1.6 low_z = 0.4 high_z = 1.6 gravity = 0.0 sound_speed = "
         "20.0 around_bodies = .true. /"
         "&kernel h_over_dx = 1.2 skin = 0.3 /"
-        "&solids body = 'box' shape = 'box' centre_x = 1.0 centre_y = 1.05 centre_z = 0.95 length_x = 0.5 length_y = 0.4"
+        "&solids body = 'box' shape = 'box' centre_x = 1.0 centre_y = 1.05 centre_z = 0.95 length_x = 0.5 length_y = "
+        "0.4"
         " length_z = 0.45 angle_z = 25 angle_x = 10 /"
         "&motions body = 'box' kind = 'free' density = " +
         std::string(density) + " / &gauges force = 'box' / &time t_end = 1.0 /");
@@ -383,4 +385,31 @@ BOOST_AUTO_TEST_CASE(put_back_counts) {
   for (const double one : f.counted.on_gauges) on_gauges += 0.05 * one;
   BOOST_TEST(on_gauges == momentum, tt::tolerance(1e-9));
   BOOST_TEST(count_of(f).impulses.front() == momentum, tt::tolerance(1e-12));
+}
+
+// The part of the force that is friction's is what the viscosity adds to it, and the work that is counted is done by
+// the whole force where its body goes.
+BOOST_AUTO_TEST_CASE(friction_of_bodies) {
+  for (const char* scheme : {"delta", "riemann"}) {
+    scene<2> scene(blob("kind = 'harmonic' period = 2.0 amplitude_x = 0.2 amplitude_angle = 15", scheme) +
+                   "&walls slip = 'no_slip' /");
+    auto& f = *scene.f;
+    disturb(scene);
+    BOOST_TEST(f.counts_work);
+    const auto rate = scene.rates();
+    const auto& b = f.moving.front();
+    const auto all = loads_on(f, {0}, {b.rate.centre}).front(), dragged = friction_on(f, b);
+    scene.p.kinematic_viscosity = 0.0;
+    scene.rates();
+    const auto pressed = loads_on(f, {0}, {b.rate.centre}).front();
+    for (std::size_t a = 0; a < 2; ++a) {
+      BOOST_TEST(std::abs(dragged.force[a]) > 1e-4 * std::abs(all.force[a]));
+      BOOST_TEST(std::abs(all.force[a] - pressed.force[a] - dragged.force[a]) < 1e-10 * std::abs(all.force[a]));
+    }
+    BOOST_TEST(std::abs(all.moment[0] - pressed.moment[0] - dragged.moment[0]) < 1e-10 * std::abs(all.moment[0]));
+    if (f.ranks().rank != 0) continue;
+    const double power = rate[rate.size() - 2][0] + rate.back()[0];  // by pressure and friction
+    BOOST_TEST(power == -(all.force[0] * b.rate.velocity[0] + all.moment[0] * b.rate.angular[0]), tt::tolerance(1e-10));
+    BOOST_TEST(rate.back()[0] == power_of<2>(b, dragged), tt::tolerance(1e-10));
+  }
 }

@@ -38,7 +38,8 @@ std::vector<load<D>> find_loads(water<D>& f, const std::vector<loaded<D>>& on) {
   for (std::size_t k = 0; k < on.size(); ++k) {
     const auto* b = f.mover(static_cast<std::int32_t>(on[k].body));
     if (b != nullptr && b->free) {
-      const auto n = std::count_if(std::as_const(f.moving).data(), b, [](const auto& other) { return other.free.has_value(); });
+      const auto n =
+          std::count_if(std::as_const(f.moving).data(), b, [](const auto& other) { return other.free.has_value(); });
       all[k] = f.free_loads[static_cast<std::size_t>(n)];
       all[k].moment += solids::moment<D>(b->rate.centre - on[k].about, all[k].force);
       continue;

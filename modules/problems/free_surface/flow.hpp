@@ -90,10 +90,9 @@ std::vector<probe<D>> probes_of(const options& o, const parameters& p) {
   for (std::size_t n = 0; n < g.height[0].size(); ++n)
     add(fmt::format("height_{}", n + 1), "m", [x = place(g.height, n)](const water<D>& f) { return depth_at(f, x); });
   for (std::size_t n = 0; n < g.pressure[0].size(); ++n)
-    add(fmt::format("pressure_{}", n + 1), "Pa",
-        [x = place(g.pressure, n), n](const water<D>& f) {
-          return pressure_at(f, x) + f.counted.mean(f.counted.on_gauges[n]);
-        });
+    add(fmt::format("pressure_{}", n + 1), "Pa", [x = place(g.pressure, n), n](const water<D>& f) {
+      return pressure_at(f, x) + f.counted.mean(f.counted.on_gauges[n]);
+    });
   if (!p.force.empty()) {
     all.push_back({force_columns<D>(p.force.size()), force_values<D>});
     all.push_back(impulse_probe<D>(p.force.size()));
@@ -331,9 +330,7 @@ class flow : public run::particle_simulation<D> {
   }
 
   // All that moves is prescribed, and its work known.
-  bool works_alone() const {
-    return f_.counts_work && f_.free.empty();
-  }
+  bool works_alone() const { return f_.counts_work && f_.free.empty(); }
 
   // Over the kinetic energy of the start, or where there was none over what the weight could give; with surface tension
   // over its energy beside that.

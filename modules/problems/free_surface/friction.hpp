@@ -27,9 +27,7 @@ struct friction {
     pairs::vec<R, D> sum;
     R viscous;  // 2 (D+2) η: the same for all
   };
-  auto reads() const {
-    return std::tuple{pairs::read(pairs::of_volume, V_w, D), pairs::read(pairs::of_velocity, v)};
-  }
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V_w, D), pairs::read(pairs::of_velocity, v)}; }
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
     return {foundation::zero<R, D>(), R(2.0 * (D + 2.0) * eta * i.lengths.to(-1))};

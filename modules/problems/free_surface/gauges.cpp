@@ -87,7 +87,9 @@ void report_force(const options& o, const std::string& name, const series& run, 
   const auto& g = o.gauges;
   const double from = g.impulse_from.value_or(run.time.front()), until = g.impulse_until.value_or(run.time.back());
   const auto between = [&](double a, double b) {
-    const auto at = [&](double t) { return *value_at(impulse, std::clamp(t, impulse.time.front(), impulse.time.back())); };
+    const auto at = [&](double t) {
+      return *value_at(impulse, std::clamp(t, impulse.time.front(), impulse.time.back()));
+    };
     return at(b) - at(a);
   };
   const auto report = [&](const series& s, const std::string& end) {
