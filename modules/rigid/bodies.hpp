@@ -72,6 +72,15 @@ struct wall_group {
   std::vector<std::size_t> members;
 };
 
+// What the surface of a body gave a particle: a momentum (N s), or a force (N).
+template <int D>
+struct impact {
+  std::size_t body;                                        // of the input's; behind them, the tank
+  solids::point<D> x;                                      // m, where
+  solids::point<D> image = foundation::zero<double, D>();  // m, away from the body, of the image that x is on
+  solids::point<D> momentum;
+};
+
 // How fluid that comes to bodies all the same is held or put back (contact.hpp).
 struct contact_rule {
   double gravity = 0.0;     // m/s2, towards -y: what is put back pays for its rise
@@ -87,6 +96,7 @@ struct bodies {
   std::vector<solids::body<D>> given;      // of the input, with their images where they do not move
   std::vector<motion_of_body<D>> motions;  // one a body
   contact_rule contact = {};
+  bool fitted = false;  // wall particles fit the surfaces of bodies (solids/fit.hpp); else they stand on the lattice
 
   solids::body<D> all = {};    // the bodies as one, as they begin
   solids::body<D> solid = {};  // all bodies and, beyond the sides, the tank; without pieces where there are no bodies
@@ -96,8 +106,14 @@ struct bodies {
     std::uint32_t i;
     solids::point<D> normal;
     const moving_body<D>* body;
+    std::size_t number;  // of the body, where impacts are counted
   };
   std::vector<held_particle> held = {};
+  // Of this rank, where they are counted: what putting back and holding gave the fluid after the last step, its change
+  // of energy with that of free bodies (J), and forces on what is held in the last evaluation.
+  bool counts_impacts = false, pushed_apart = false;  // the latter: a free body has met some
+  std::vector<impact<D>> impacts = {}, pushes = {};
+  std::vector<double> energy_of_impacts = {};
   pairs::row_subset rows_near_bodies = {};  // fluid with wall particles of bodies in its lists
 
   // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.

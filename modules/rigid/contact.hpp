@@ -2,7 +2,7 @@
 // what lies on one is held (docs/theory/water_and_bodies.md).
 #pragma once
 
-#include <rigid/moving.hpp>
+#include <rigid/impacts.hpp>
 
 namespace tetsuame::rigid {
 
@@ -53,61 +53,59 @@ void find_beside_bodies(bodies<D>& set) {
   set.beside_bodies = fluid_beside(set.state, set.solid, near);
   find_solid(set);
   for (const std::uint32_t i : set.beside_bodies)
-    if (const auto e = entry_of(set, i); e && e->lies(set)) set.held.push_back({i, e->surface.normal, e->body});
-}
-
-// What a particle has risen by (m) when it is put back is taken out of its velocity u (m/s) relative to the body, first
-// of that along the normal: putting back makes no energy. A particle slower than this is left at rest.
-template <int D>
-void pay_for_rise(double g, double risen, const solids::point<D>& normal, solids::point<D>& u) {
-  const double due = 2.0 * g * std::max(0.0, risen);
-  const double across = foundation::dot(u, normal);
-  const double left = across * across - due;
-  const auto along = u - across * normal;
-  if (left >= 0.0) {
-    u = along + std::copysign(std::sqrt(left), across) * normal;
-    return;
-  }
-  const double along2 = foundation::dot(along, along);
-  u = along2 + left > 0.0 ? std::sqrt((along2 + left) / along2) * along : foundation::zero<double, D>();
+    if (const auto e = entry_of(set, i); e && e->lies(set))
+      set.held.push_back({i, e->surface.normal, e->body, number_of_body(set, e->body, e->surface.nearest)});
 }
 
 // The last guard, after a step. What lies on a body stays where it is, without its velocity into the body; other
 // particles that have entered one are put back to their mirror image, as walls::reflect() does at plane sides, with
-// their velocity towards it reversed. How many were put back.
+// their velocity towards it reversed. A free body takes what it gives them (impacts.hpp). How many were put back.
+// Collective where impacts are counted.
 template <int D>
 std::int64_t put_out_of_bodies(bodies<D>& set) {
   auto& s = set.state.w.s;
   std::int64_t crossings = 0;
   set.held.clear();
+  set.impacts.clear();
+  set.energy_of_impacts.clear();
   find_solid(set);
+  std::vector<meeting<D>> of_free;
   for (const std::uint32_t i : set.beside_bodies) {
     const auto e = entry_of(set, i);
     if (!e || e->surface.distance > -set.contact.deepest) continue;
     const auto& n = e->surface.normal;
-    auto u = e->u;
-    if (e->lies(set)) {
-      if (e->outwards < 0.0) u -= e->outwards * n;
-      set.held.push_back({i, n, e->body});
+    const bool lies = e->lies(set);
+    const double risen = lies ? 0.0 : -2.0 * e->surface.distance * n[1];
+    const std::size_t number = number_of_body(set, e->body, e->surface.nearest);
+    if (lies) {
+      set.held.push_back({i, n, e->body, number});
     } else {
-      const double risen = -2.0 * e->surface.distance * n[1];
-      turn_back(n, u);
-      pay_for_rise<D>(set.contact.gravity, risen, n, u);
       const auto to = put_out(e->surface);
       for (std::size_t a = 0; a < D; ++a) s.x[a][i] = to[a];
       ++crossings;
     }
+    const auto before = velocity_of<D>(s, i);
+    if (e->body != nullptr && e->body->free) {
+      of_free.push_back({i, e->body, lies, risen, before, n, e->surface.nearest});
+      continue;
+    }
+    auto u = e->u;
+    leave<D>(set.contact.gravity, lies, risen, n, u);
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = e->of_body[a] + u[a];
+    if (set.counts_impacts) count_impact(set, i, number, e->surface.nearest, before, risen);
   }
+  if (!set.free.empty()) meet_free_bodies(set, std::move(of_free));
   return crossings;
 }
 
 // What is held is not accelerated (m/s2) into its body while it does not leave it. The force is one along the normal,
-// and does no work on the particle as the body sees it.
+// and does no work on the particle as the body sees it; a free body meets it after the step instead.
 template <int D>
-void hold(const bodies<D>& set, std::span<double* const> acceleration) {
+void hold(bodies<D>& set, std::span<double* const> acceleration) {
   const auto& s = set.state.w.s;
+  set.pushes.clear();
   for (const auto& h : set.held) {
+    if (h.body != nullptr && h.body->free) continue;
     auto u = solids::point<D>::of([&](std::size_t a) { return s.v[a][h.i]; });
     auto rate = solids::point<D>::of([&](std::size_t a) { return acceleration[a][h.i]; });
     if (h.body != nullptr) {
@@ -119,6 +117,10 @@ void hold(const bodies<D>& set, std::span<double* const> acceleration) {
     const double inwards = foundation::dot(rate, h.normal);
     if (!(inwards < 0.0) || foundation::dot(u, h.normal) > set.contact.at_rest) continue;
     for (std::size_t a = 0; a < D; ++a) acceleration[a][h.i] -= inwards * h.normal[a];
+    if (set.counts_impacts) {
+      const auto x = set.place(h.i);
+      set.pushes.push_back({h.number, x, set.image_at(h.number, x), (-inwards * s.m[h.i]) * h.normal});
+    }
   }
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <rigid/moving.hpp>
+#include <solids/fit.hpp>
 
 namespace tetsuame::rigid {
 
-// Places of the lattice in a body at rest, as deep as the kernel reaches, where it ever comes into the box.
+// Places of the lattice in a body at rest, or such that fit it, as deep as the kernel reaches, where it ever comes into
+// the box.
 template <int D>
 std::vector<solids::point<D>> lattice_in(const bodies<D>& set, std::size_t body) {
   const auto& of = set.given[body];
@@ -19,14 +21,17 @@ std::vector<solids::point<D>> lattice_in(const bodies<D>& set, std::size_t body)
     all *= number[a] = std::max<std::int64_t>(0, end - first[a]);
   }
   std::vector<solids::point<D>> places;
+  solids::fit<D> fit_to(of, set.spacing());
+  const double deepest = set.state.w.support();
   for (std::int64_t n = 0; n < all; ++n) {
     std::int64_t rest = n;
-    const auto x = solids::point<D>::of([&](std::size_t a) {
+    const auto on_lattice = solids::point<D>::of([&](std::size_t a) {
       const auto row = first[a] + rest % number[a];
       rest /= number[a];
       return (static_cast<double>(row) + 0.5) * set.spacing();
     });
-    if (solids::mark<D>(of, x, set.state.w.support())) places.push_back(x);
+    const auto x = set.fitted ? fit_to.place(on_lattice, deepest) : on_lattice;
+    if (solids::mark<D>(of, x, deepest)) places.push_back(x);
   }
   return places;
 }
@@ -96,7 +101,7 @@ void set_up_bodies(bodies<D>& set, bool no_slip) {
   number.push_back(set.given.size());  // the tank, whose wall particles lie outside the box
   set.solid_at_rest = solid_of(set.in_box, resting);
   resting.push_back(tank_of(set.in_box));
-  place_walls(set.state, resting, number, lattice);
+  place_walls(set.state, resting, number, lattice, set.fitted);
   set.resting = walls.places.size();
 }
 

@@ -21,12 +21,13 @@ std::int64_t places_of(const solids::lattice<D>& of) {
   return all;
 }
 
-// Of this rank: wall particles of solids on this lattice, whose numbers in the problem are given, and their markers.
+// Of this rank: wall particles of solids on this lattice, or such that fit them, and their markers. The solids' numbers
+// in the problem are given.
 template <int D>
 void place_walls(run::state<D>& box, const std::vector<solids::body<D>>& solid, const std::vector<std::size_t>& number,
-                 const solids::lattice<D>& of) {
+                 const solids::lattice<D>& of, bool fitted) {
   const auto cell = box.w.d.cell();
-  const auto made = solids::fill_with_wall_particles<D>(solid, of, box.w.support(), {cell.lower, cell.upper});
+  const auto made = solids::fill_with_wall_particles<D>(solid, of, box.w.support(), {cell.lower, cell.upper}, fitted);
   // On the surface itself both are 0.
   const auto reflection_ratio = [&](std::size_t n) {
     return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0;

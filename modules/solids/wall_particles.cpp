@@ -3,6 +3,7 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <solids/extents.hpp>
+#include <solids/fit.hpp>
 #include <solids/wall_particles.hpp>
 
 namespace tetsuame::solids {
@@ -78,22 +79,25 @@ std::optional<marked<D>> mark(const body<D>& all, const point<D>& x, double dept
 
 template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
-                                           const part_of_space<D>& markers) {
+                                           const part_of_space<D>& markers, bool fitted) {
   wall_particles<D> w;
   const auto all = joined(bodies);
-  // A marker is no higher above the surface than its particle is below.
+  fit<D> fit_to(all, box.spacing);
+  // A marker is no higher above the surface than its particle is below; to fit, that moves by less than a spacing.
+  const double reach = 2.1 * depth + (fitted ? box.spacing : 0.0);
   const auto may_be_wanted = [&](const point<D>& x) {
     bool near = true;
     for (std::size_t a = 0; a < D; ++a) {
       const auto holds = [&](double at) {
-        return at >= markers.lower[a] - 2.1 * depth && at < markers.upper[a] + 2.1 * depth;
+        return at >= markers.lower[a] - reach && at < markers.upper[a] + reach;
       };
       near = near && (holds(x[a]) || (box.periodic[a] && (holds(x[a] - box.length[a]) || holds(x[a] + box.length[a]))));
     }
     return near;
   };
-  for_each_place(box, [&](std::int64_t n, const point<D>& x) {
-    if (!may_be_wanted(x)) return;
+  for_each_place(box, [&](std::int64_t n, const point<D>& on_lattice) {
+    if (!may_be_wanted(on_lattice)) return;
+    const auto x = fitted ? fit_to.place(on_lattice, depth) : on_lattice;
     const auto m = mark(all, x, depth);
     if (!m) return;
     const auto shift = shift_into<D>(m->marker, box.length, box.periodic);
@@ -196,13 +200,13 @@ void expect_dry(const std::vector<body<D>>& bodies, const std::vector<point<D>>&
 
 template std::optional<marked<2>> mark<2>(const body<2>&, const point<2>&, double);
 template wall_particles<2> fill_with_wall_particles<2>(const std::vector<body<2>>&, const lattice<2>&, double,
-                                                       const part_of_space<2>&);
+                                                       const part_of_space<2>&, bool);
 template void expect_in_box<2>(const std::vector<body<2>>&, const lattice<2>&);
 template void expect_thick<2>(const std::vector<body<2>>&, const lattice<2>&, double);
 template void expect_dry<2>(const std::vector<body<2>>&, const std::vector<point<2>>&);
 template std::optional<marked<3>> mark<3>(const body<3>&, const point<3>&, double);
 template wall_particles<3> fill_with_wall_particles<3>(const std::vector<body<3>>&, const lattice<3>&, double,
-                                                       const part_of_space<3>&);
+                                                       const part_of_space<3>&, bool);
 template void expect_in_box<3>(const std::vector<body<3>>&, const lattice<3>&);
 template void expect_thick<3>(const std::vector<body<3>>&, const lattice<3>&, double);
 template void expect_dry<3>(const std::vector<body<3>>&, const std::vector<point<3>>&);

@@ -76,9 +76,10 @@ struct part_of_space {
 
 // depth: m, at most. markers: where those stand whose wall particles are wanted. In a box with periodic sides bodies
 // come with their images (repeated() in bounds.hpp), and wall particles stand where their markers are in the box.
+// fitted: they fit the surfaces (fit.hpp); else they stand on the lattice.
 template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
-                                           const part_of_space<D>& markers = {});
+                                           const part_of_space<D>& markers = {}, bool fitted = false);
 
 // Each body, and each piece of one, has a place of the lattice inside of it, and leaves one to the fluid. Else an error
 // of status bad_input says which does not. Of a piece one of the images will do.

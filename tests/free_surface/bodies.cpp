@@ -2,7 +2,7 @@
 #include <mpi.h>
 
 #include <boost/test/unit_test.hpp>
-#include <free_surface/free_bodies.hpp>
+#include <free_surface/budget.hpp>
 #include <free_surface/measures.hpp>
 #include <free_surface/surface.hpp>
 #include <namelist/document.hpp>
@@ -275,4 +275,144 @@ BOOST_AUTO_TEST_CASE(state_of_bodies) {
   place_bodies_for_lists(f, true);
   BOOST_TEST(markers() == before);
   BOOST_TEST(f.moving.front().now.shift[0] == 0.3);
+}
+
+// What has entered a free body leaves it with what the body loses, of momentum and of angular momentum, and as fast as
+// it came; whatever the body weighs, whoever comes first.
+template <int D>
+void put_back_of(const std::string& input) {
+  scene<D> scene(input);
+  auto& f = *scene.f;
+  auto& s = scene.particles();
+  const auto& b = f.moving.front();
+  disturb(scene);
+  // Water from beside the body goes into it, and towards its middle.
+  std::size_t entered = 0;
+  for (const std::uint32_t i : f.beside_bodies) {
+    const auto surface = f.solid.at(of_solids<D>(f.place(i)));
+    if (surface.distance > 0.8 * f.dx() || s.id[i] % 3 != 0) continue;
+    for (std::size_t a = 0; a < D; ++a) {
+      s.x[a][i] -= (surface.distance + 0.3 * f.dx()) * surface.normal[a];
+      s.v[a][i] -= 2.0 * surface.normal[a];
+    }
+    ++entered;
+  }
+  const auto state = [&] {  // momentum, angular momentum about the origin, and of each the sum of absolute values
+    constexpr std::size_t N = solids::rigid<D>::components;
+    std::array<double, N> all{}, size{};
+    for (std::size_t k = 0; k < N; ++k) {
+      const auto of = [&](std::size_t i) {
+        const auto mv = s.m[i] * rigid::velocity_of<D>(s, i);
+        return k < D ? mv[k] : solids::moment<D>(of_solids<D>(f.place(i)), mv)[k - D];
+      };
+      const auto mv = b.free->mass * b.rate.velocity;
+      all[k] = scene.sum(of) +
+               (k < D ? mv[k] : solids::moment<D>(b.rate.centre, mv)[k - D] + b.free->angular_momentum[k - D]);
+      size[k] = scene.sum([&](std::size_t i) { return std::abs(of(i)); });
+    }
+    return std::pair{all, size};
+  };
+  const auto places = [&] { return std::array<particles::array, D>(s.x); };
+  const auto at = places();
+  const auto before = state();
+  const double kinetic = scene.sum([&](std::size_t i) { return 0.5 * s.m[i] * f.speed2(i); }) + energy_of_bodies(f);
+  const auto put_back = f.ranks().sum(rigid::put_out_of_bodies(f));
+  BOOST_TEST(f.ranks().sum(static_cast<std::int64_t>(entered)) > 5);
+  BOOST_TEST(put_back >= f.ranks().sum(static_cast<std::int64_t>(entered)));
+  count_put_back(f);
+  for (std::size_t i = 0; i < s.fluid; ++i)  // lever arms are those of the surface, where they met
+    for (std::size_t a = 0; a < D; ++a) s.x[a][i] = 0.5 * (s.x[a][i] + at[a][i]);
+  auto after = state();
+  for (std::size_t k = 0; k < D; ++k) {
+    BOOST_TEST(std::abs(after.first[k] - before.first[k]) < 1e-13 * before.second[k]);
+    BOOST_TEST(std::abs(b.free->mass * b.rate.velocity[k] - f.counted.put_back[0][k]) < 1e-13 * before.second[k]);
+  }
+  for (std::size_t k = D; k < after.first.size(); ++k) {
+    BOOST_TEST(std::abs(b.free->angular_momentum[k - D]) > 1e-6 * before.second[k]);
+    BOOST_TEST(std::abs(b.free->angular_momentum[k - D] - f.counted.put_back[0][k]) < 1e-12 * before.second[k]);
+  }
+  // Without gravity none of them loses energy, but those that lie on the body.
+  const double now = scene.sum([&](std::size_t i) { return 0.5 * s.m[i] * f.speed2(i); }) + energy_of_bodies(f);
+  BOOST_TEST(f.held.empty());
+  BOOST_TEST(std::abs(now - kinetic) < 1e-12 * kinetic);
+  BOOST_TEST(std::abs(f.counted.energy) < 1e-12 * kinetic);
+}
+
+BOOST_AUTO_TEST_CASE(put_back_by_free_bodies) {
+  for (const char* density : {"0.5", "650.0", "8000.0"}) {
+    put_back_of<2>(blob("kind = 'free' density = " + std::string(density)));
+    put_back_of<3>(
+        "&domain dimension = 3 length_x = 2.0 length_y = 2.0 length_z = 2.0 particles_x = 20 particles_y = 20 "
+        "particles_z = 20 /"
+        "&flow low_x = 0.4 high_x = 1.6 low_y = 0.4 high_y = 1.6 low_z = 0.4 high_z = 1.6 gravity = 0.0 sound_speed = "
+        "20.0 around_bodies = .true. /"
+        "&kernel h_over_dx = 1.2 skin = 0.3 /"
+        "&solids body = 'box' shape = 'box' centre_x = 1.0 centre_y = 1.05 centre_z = 0.95 length_x = 0.5 length_y = "
+        "0.4"
+        " length_z = 0.45 angle_z = 25 angle_x = 10 /"
+        "&motions body = 'box' kind = 'free' density = " +
+        std::string(density) + " / &gauges force = 'box' / &time t_end = 1.0 /");
+  }
+}
+
+// What a body that stands still puts back is in the impulse of its force, and in the pressure of the gauges where it
+// was put back, whose weights add up to one over the face.
+BOOST_AUTO_TEST_CASE(put_back_counts) {
+  std::string x, y;
+  for (int k = 0; k < 18; ++k) {
+    x += "1.2 ";
+    y += std::to_string(0.4 + 0.05 * (k + 0.5)) + " ";
+  }
+  scene<2> scene(tank("high_x = 1.2 low_y = 0.6 high_y = 1.1 gravity = 0.0 sound_speed = 20.0") +
+                 "&solids body = 'post' shape = 'box' centre_x = 1.35 centre_y = 1.0 length_x = 0.3 length_y = 3.0 /"
+                 "&gauges force = 'post' pressure_x = " +
+                 x + " pressure_y = " + y + "/");
+  auto& f = *scene.f;
+  auto& s = scene.particles();
+  double momentum = 0.0;
+  for (const std::uint32_t i : f.beside_bodies) {
+    if (s.x[0][i] < 1.15) continue;
+    s.x[0][i] = 1.2 + 0.004 * (1.0 + noise(s.id[i], 1));
+    s.v[0][i] = 3.0 + noise(s.id[i], 2);
+    s.v[1][i] = noise(s.id[i], 3);
+    momentum += 2.0 * s.m[i] * s.v[0][i];
+  }
+  std::array all{momentum};
+  f.ranks().sum(all);
+  momentum = all[0];
+  rigid::put_out_of_bodies(f);
+  count_put_back(f);
+  BOOST_TEST(f.counted.put_back[0][0] == momentum, tt::tolerance(1e-12));
+  BOOST_TEST(std::abs(f.counted.put_back[0][1]) < 1e-12 * momentum);  // along the face nothing acts
+  double on_gauges = 0.0;
+  for (const double one : f.counted.on_gauges) on_gauges += 0.05 * one;
+  BOOST_TEST(on_gauges == momentum, tt::tolerance(1e-9));
+  BOOST_TEST(count_of(f).impulses.front() == momentum, tt::tolerance(1e-12));
+}
+
+// The part of the force that is friction's is what the viscosity adds to it, and the work that is counted is done by
+// the whole force where its body goes.
+BOOST_AUTO_TEST_CASE(friction_of_bodies) {
+  for (const char* scheme : {"delta", "riemann"}) {
+    scene<2> scene(blob("kind = 'harmonic' period = 2.0 amplitude_x = 0.2 amplitude_angle = 15", scheme) +
+                   "&walls slip = 'no_slip' /");
+    auto& f = *scene.f;
+    disturb(scene);
+    BOOST_TEST(f.counts_work);
+    const auto rate = scene.rates();
+    const auto& b = f.moving.front();
+    const auto all = loads_on(f, {0}, {b.rate.centre}).front(), dragged = friction_on(f, b);
+    scene.p.kinematic_viscosity = 0.0;
+    scene.rates();
+    const auto pressed = loads_on(f, {0}, {b.rate.centre}).front();
+    for (std::size_t a = 0; a < 2; ++a) {
+      BOOST_TEST(std::abs(dragged.force[a]) > 1e-4 * std::abs(all.force[a]));
+      BOOST_TEST(std::abs(all.force[a] - pressed.force[a] - dragged.force[a]) < 1e-10 * std::abs(all.force[a]));
+    }
+    BOOST_TEST(std::abs(all.moment[0] - pressed.moment[0] - dragged.moment[0]) < 1e-10 * std::abs(all.moment[0]));
+    if (f.ranks().rank != 0) continue;
+    const double power = rate[rate.size() - 2][0] + rate.back()[0];  // by pressure and friction
+    BOOST_TEST(power == -(all.force[0] * b.rate.velocity[0] + all.moment[0] * b.rate.angular[0]), tt::tolerance(1e-10));
+    BOOST_TEST(rate.back()[0] == power_of<2>(b, dragged), tt::tolerance(1e-10));
+  }
 }

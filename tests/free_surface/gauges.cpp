@@ -76,7 +76,9 @@ BOOST_AUTO_TEST_CASE(curves_that_do_not_cover_the_times) {
   report_pressure(o, "p", run, later, m);
   BOOST_TEST(m["p_impulse"].get<double>() == integral(run, 0.0, 0.3), tt::tolerance(1e-12));
   BOOST_TEST(m["p_impulse_reference"].is_null());
-  report_force(o, "f", run, later, m);
+  const series of_state{{0.0, 0.1, 0.2, 0.3}, {0.0, 11.0, 30.0, 52.0}};
+  report_force(o, "f", run, of_state, later, m);
+  BOOST_TEST(m["f_impulse"].get<double>() == 52.0, tt::tolerance(1e-12));  // as integrated, not of readings
   BOOST_TEST(m["f_mean_error"].is_null());
   BOOST_TEST(m["f_impulse_reference"].is_null());
   parameters p;

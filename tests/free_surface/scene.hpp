@@ -41,10 +41,12 @@ struct scene {
   }
   particles::particles<D>& particles() { return f->world.w.s; }
 
-  // Rates of x, v, ρ, and of free bodies.
+  // Rates of x, v, ρ, of free bodies, and of what is counted of loads.
   std::vector<particles::array> rates() {
     std::vector<particles::array> all(2 * D + 1, particles::array(particles().fluid, 0.0));
-    for (const auto& component : f->free.state) all.emplace_back(component.size(), 0.0);
+    for (const auto& component : f->free.state)
+      if (!f->free.empty()) all.emplace_back(component.size(), 0.0);
+    for (const auto* numbers : counted_numbers(*f)) all.emplace_back(numbers->size(), 0.0);
     std::vector<double*> places;
     for (auto& a : all) places.push_back(a.data());
     f->rates.run(places);

@@ -171,3 +171,56 @@ BOOST_AUTO_TEST_CASE(outside_of_the_box_and_in_the_water) {
       },
       "2 particles of the fluid start inside a wall, the first at (0.5, 0.6), 0.1 m deep in body 'ball'");
 }
+
+// Rows along the faces of a box begin half a spacing below them, wherever these lie on the lattice, and none is lost;
+// in the box's corners too, where two displacements meet.
+BOOST_AUTO_TEST_CASE(rows_that_fit_faces) {
+  const double dx = 0.05, depth = 0.15;
+  for (const double up : {0.0, 0.001, 0.013, 0.025, 0.031, 0.049}) {
+    const std::vector<body<2>> bodies{of_one<2>("box", box<2>({{0.8, 0.8}}), {{1.0 + up, 1.0 + up}})};
+    const lattice<2> box{{{2.0, 2.0}}, dx};
+    const auto w = fill_with_wall_particles<2>(bodies, box, depth, {}, true);
+    check_markers(bodies, w, depth);
+    std::size_t first = 0;
+    double off = 0.0;
+    for (std::size_t r = 0; r < w.x.size(); ++r) {
+      const bool corner = std::abs(w.x[r][0] - 1.0 - up) > 0.2 && std::abs(w.x[r][1] - 1.0 - up) > 0.2;
+      if (corner) continue;
+      const double rows = w.depth[r] / dx - 0.5;
+      off = std::max(off, std::abs(rows - std::round(rows)));
+      first += std::round(rows) == 0.0;
+    }
+    BOOST_TEST(off < 1e-9);
+    BOOST_TEST(first == 4U * 8U);
+    // Corners have no weight in a face's rows; their own are where both faces have theirs, but for what λ takes of
+    // the one that is not their own (fit.hpp).
+    double outermost = 1.0;
+    for (std::size_t r = 0; r < w.x.size(); ++r)
+      outermost = std::min(outermost, std::hypot(w.x[r][0] - (1.4 + up - 0.5 * dx), w.x[r][1] - (1.4 + up - 0.5 * dx)));
+    BOOST_TEST(outermost < 0.1335 * dx);
+  }
+}
+
+// What is inclined to the lattice has places too many here and too few there: they stay where they are. On a ball those
+// below its flat parts move, by half a spacing at most, and the density of wall particles stays what it is.
+BOOST_AUTO_TEST_CASE(places_that_fit_on_average) {
+  const double dx = 0.05, depth = 0.15;
+  const lattice<3> box{{{2.0, 2.0, 2.0}}, dx};
+  const auto farthest = [&](const std::vector<body<3>>& bodies) {
+    const auto fitted = fill_with_wall_particles<3>(bodies, box, depth, {}, true);
+    check_markers(bodies, fitted, depth);
+    const auto plain = fill_with_wall_particles<3>(bodies, box, depth);
+    double most = 0.0;
+    std::size_t both = 0;
+    for (std::size_t r = 0, n = 0; r < fitted.x.size(); ++r) {
+      while (n < plain.x.size() && plain.place[n] < fitted.place[r]) ++n;
+      if (n == plain.x.size() || plain.place[n] != fitted.place[r]) continue;
+      ++both;
+      most = std::max(most, norm<3>(fitted.x[r] - plain.x[n]));
+    }
+    BOOST_TEST(static_cast<double>(both) > 0.95 * static_cast<double>(plain.x.size()));
+    return most / dx;
+  };
+  BOOST_TEST(farthest({of_one<3>("ball", sphere<3>(0.6), {{1.01, 1.02, 1.03}})}) < 0.4);  // on its axes it is flat
+  BOOST_TEST(farthest({of_one<3>("floor", plane<3>(), {{1.0, 1.0, 1.0}}, {20.0, 30.0, 0.0})}) == 0.0);
+}

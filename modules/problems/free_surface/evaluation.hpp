@@ -1,10 +1,10 @@
 // The right-hand side as a list of passes:
 //   1. pressure and volume of each density; those of what stands behind walls, with the weight of water up to there
 //   2. the sums over neighbours (terms.hpp, riemann_terms.hpp); surface tension; free bodies
-//   3. rates of x, v, ρ, and of the free bodies' state
+//   3. rates of x, v, ρ, of the free bodies' state, and of what is counted of forces on bodies
 #pragma once
 
-#include <free_surface/free_bodies.hpp>
+#include <free_surface/budget.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -34,12 +34,13 @@ void declare_forces(water<D>& f, std::size_t first_of_bodies) {
     e.whole("tension", {.reads = {s.dV}, .writes = {f.tension}, .updates = {f.inward}}, [&f] { find_tension(f); });
   if (f.has_free_bodies)
     e.whole("bodies", {.reads = state, .updates = {f.force, f.density_rate}}, [&f, first_of_bodies] {
-      find_rates_of_bodies(f, accelerate_free_bodies(f), f.rates.rates().subspan(first_of_bodies));
+      f.free_loads = accelerate_free_bodies(f);
+      find_rates_of_bodies(f, f.free_loads, f.rates.rates().subspan(first_of_bodies));
     });
 }
 
 template <int D>
-void declare_rates(water<D>& f) {
+void declare_rates(water<D>& f, std::size_t first_of_loads) {
   auto& e = f.rates;
   auto& s = f.world.w.s;
   e.each("rates",
@@ -56,7 +57,10 @@ void declare_rates(water<D>& f) {
            }
            e.rate(2 * D)[i] = f.density_rate[i];
          });
-  e.whole("rates", {.rates = {s.v}}, [&f, &e] { hold(f, e.rates().subspan(D, D)); });
+  e.whole("rates", {.rates = {s.v}}, [&f, &e, first_of_loads] {
+    hold(f, e.rates().subspan(D, D));
+    if (!counted_numbers(f).empty()) find_rates_of_loads(f, e.rates().subspan(first_of_loads));
+  });
   e.check(
       "rates", {s.rho, s.x, s.p}, [&f](std::size_t i) { return is_valid(f, i); },
       [&f](std::size_t i) { return fault_of(f, i); });
@@ -79,11 +83,14 @@ void declare(water<D>& f) {
     const double scale = place ? f.dx() : velocity ? speed : angle ? 1.0 : speed / f.p.height;
     e.integrate_numbers(f.free.state[k], {fmt::format("body_{}", k), 0.0, scale});
   }
+  const std::size_t first_of_loads = 2 * D + 1 + (f.free.empty() ? 0 : f.free.state.size());
+  for (auto* numbers : counted_numbers(f))  // steps with error control do not go by them
+    e.integrate_numbers(*numbers, {"loads", 0.0, std::numeric_limits<double>::infinity()});
   if (f.has_free_bodies) e.whole("bodies", {}, [&f] { forget_accelerations(f); });
   detail::declare_state(f, e);
   f.sources.account(e, speed * speed);
   detail::declare_forces(f, first_of_bodies);
-  detail::declare_rates(f);
+  detail::declare_rates(f, first_of_loads);
   e.complete(passes::behind_walls::images);
 
   auto& present = f.present;

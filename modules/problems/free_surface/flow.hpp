@@ -21,7 +21,7 @@ struct probe {
   std::function<std::vector<double>(water<D>&)> values;  // collective
 };
 
-// Forces and moments.
+// Forces and moments; what was put back since the last reading counts by its mean.
 template <int D>
 std::vector<output::history_column> force_columns(std::size_t gauges) {
   std::vector<output::history_column> all;
@@ -31,11 +31,21 @@ std::vector<output::history_column> force_columns(std::size_t gauges) {
 template <int D>
 std::vector<double> force_values(water<D>& f) {
   std::vector<double> all;
-  for (const auto& l : read_loads(f)) {
-    for (std::size_t a = 0; a < D; ++a) all.push_back(l.force[a]);
-    for (std::size_t a = 0; a < (D == 2 ? 1 : 3); ++a) all.push_back(l.moment[a]);
-  }
+  const auto loads = read_loads(f);
+  for (std::size_t n = 0; n < loads.size(); ++n)
+    for (std::size_t k = 0; k < f.counted.put_back[n].size(); ++k)
+      all.push_back((k < D ? loads[n].force[k] : loads[n].moment[k - D]) +
+                    f.counted.mean(f.counted.put_back[n][k] - f.counted.put_back_read[n][k]));
   return all;
+}
+// Their impulses since the start, with what was put back.
+template <int D>
+probe<D> impulse_probe(std::size_t gauges) {
+  probe<D> p;
+  for (const auto& name : force_names(gauges, D))
+    p.columns.push_back({impulse_name(name), name.starts_with("force") ? "N s" : "N m s"});
+  p.values = [](water<D>& f) { return count_of(f).impulses; };
+  return p;
 }
 
 // How far a body has moved from where the input has it, and by how much it has turned: degrees, along x, y, z the
@@ -80,9 +90,13 @@ std::vector<probe<D>> probes_of(const options& o, const parameters& p) {
   for (std::size_t n = 0; n < g.height[0].size(); ++n)
     add(fmt::format("height_{}", n + 1), "m", [x = place(g.height, n)](const water<D>& f) { return depth_at(f, x); });
   for (std::size_t n = 0; n < g.pressure[0].size(); ++n)
-    add(fmt::format("pressure_{}", n + 1), "Pa",
-        [x = place(g.pressure, n)](const water<D>& f) { return pressure_at(f, x); });
-  if (!p.force.empty()) all.push_back({force_columns<D>(p.force.size()), force_values<D>});
+    add(fmt::format("pressure_{}", n + 1), "Pa", [x = place(g.pressure, n), n](const water<D>& f) {
+      return pressure_at(f, x) + f.counted.mean(f.counted.on_gauges[n]);
+    });
+  if (!p.force.empty()) {
+    all.push_back({force_columns<D>(p.force.size()), force_values<D>});
+    all.push_back(impulse_probe<D>(p.force.size()));
+  }
   for (std::size_t n = 0; n < p.motion.size(); ++n) all.push_back(motion_probe<D>(n + 1, p.motion[n]));
   return all;
 }
@@ -153,7 +167,7 @@ class flow : public run::particle_simulation<D> {
       changed = true;
       base::complete_step(step);  // a drift ends at a wall
     }
-    changed = changed || !f_.held.empty();
+    changed = changed || !f_.held.empty() || std::exchange(f_.pushed_apart, false);
     if (table_ && time_ >= next_reading_ * (1.0 - 1e-9)) read_gauges(step);
     return changed;
   }
@@ -178,6 +192,13 @@ class flow : public run::particle_simulation<D> {
                                             {"compression_max", "1"}};
     if (!f_.free.empty()) all.push_back({"energy_of_bodies", "J"});
     if (f_.has_tension()) all.push_back({"surface_energy", "J"});
+    if (f_.has_bodies)
+      for (std::size_t a = 0; a < D; ++a) all.push_back({fmt::format("momentum_{}", "xyz"[a]), "N s"});
+    if (f_.counts_impacts) all.push_back({"energy_put_back", "J"});
+    if (f_.counts_work) {
+      all.push_back({"work_of_pressure", "J"});
+      all.push_back({"work_of_friction", "J"});
+    }
     return all;
   }
   std::vector<double> measure(double) override {
@@ -189,6 +210,10 @@ class flow : public run::particle_simulation<D> {
                             largest_compression(f_)};
     if (!f_.free.empty()) all.push_back(now.bodies);
     if (f_.has_tension()) all.push_back(now.surface);
+    if (f_.has_bodies)
+      for (const double momentum : momentum_of(f_).c) all.push_back(momentum);
+    if (f_.counts_impacts) all.push_back(f_.counted.energy);
+    for (const double work : count_of(f_).work) all.push_back(work);
     return all;
   }
 
@@ -215,9 +240,8 @@ class flow : public run::particle_simulation<D> {
     r.conservation = {{"mass", now.mass / first_->mass - 1.0}, {"energy", energy_change(now)}};
     auto& m = r.metrics;
     // The water's energy falls by friction; what it gains while nobody works on it is made by the sums.
-    const bool work_is_known = f_.sources.force()
-                                   ? f_.moving.empty()
-                                   : std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); });
+    const bool all_free = std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); });
+    const bool work_is_known = works_alone() || (f_.sources.force() ? f_.moving.empty() : all_free);
     if (work_is_known) m["energy_residual"] = std::max(0.0, energy_change(now));
     m["start"] = f_.o.flow.start;
     m["sound_speed"] = f_.p.water.sound;
@@ -225,13 +249,29 @@ class flow : public run::particle_simulation<D> {
     const double weight = now.mass * f_.gravity() * f_.p.height;
     m["kinetic_energy_over_mgh"] = run::or_null(weight > 0.0 ? std::optional(now.kinetic / weight) : std::nullopt);
     f_.sources.tell(m);
+    report_budget(m);
     if (is_still(f_.o, f_.p) && !f_.sources.force()) m["hydrostatic_error"] = hydrostatic_error(f_);
     report_exact(t, m);
     report_gauges(m);
   }
 
+  // What bodies and the water gave each other (budget.hpp).
+  void report_budget(nlohmann::ordered_json& m) {
+    if (f_.counts_impacts) m["energy_put_back"] = f_.counted.energy;
+    const auto names = force_names(f_.p.force.size(), D);
+    for (std::size_t n = 0; n < names.size(); ++n) {
+      constexpr std::size_t N = water<D>::counted_loads::components;
+      m[names[n] + "_put_back"] = f_.counted.put_back[n / N][n % N];
+    }
+    if (!f_.counts_work) return;
+    const auto work = count_of(f_).work;
+    m["work_of_pressure"] = work[0];
+    m["work_of_friction"] = work[1];
+  }
+
   void save_globals(output::checkpoint_globals& to) const override {
     base::save_globals(to);
+    if (f_.counts_impacts) to.blobs["loads"] = saved_loads(f_);
     to.blobs["readings"] = read_.saved();
     to.reals["kinetic_most"] = kinetic_most_;
     if (!f_.moving.empty()) to.blobs["bodies"] = saved_bodies(f_);
@@ -245,6 +285,7 @@ class flow : public run::particle_simulation<D> {
     kinetic_most_ = from.reals.at("kinetic_most");
     time_ = from.reals.at("time");
     if (!f_.moving.empty()) restore_bodies(f_, from.blobs.at("bodies"), time_);
+    if (f_.counts_impacts) restore_loads(f_, from.blobs.at("loads"));
     const auto& e = from.blobs.at("first_energies");
     first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.at(4), e.at(5)};
   }
@@ -259,7 +300,11 @@ class flow : public run::particle_simulation<D> {
     group_walls(f_);
   }
   void place_walls() override { hand_over_walls(f_); }
-  std::int64_t put_out_of_bodies() override { return rigid::put_out_of_bodies(f_); }
+  std::int64_t put_out_of_bodies() override {
+    const std::int64_t put_back = rigid::put_out_of_bodies(f_);
+    count_put_back(f_);
+    return put_back;
+  }
 
  private:
   static run::apart with_bodies(run::apart all, double of_bodies) {
@@ -270,8 +315,10 @@ class flow : public run::particle_simulation<D> {
   void read_gauges(std::int64_t step) {
     std::vector<double> values;
     if (!f_.o.gauges.pressure[0].empty()) refresh(f_);
+    f_.counted.since_read = time_ - f_.counted.read_at;
     for (const auto& probe : probes_)
       for (const double value : probe.values(f_)) values.push_back(value);
+    f_.counted.forget(time_);
     read_.add(time_, values);
     values.insert(values.begin(), time_);
     table_->append(step, values);
@@ -282,12 +329,21 @@ class flow : public run::particle_simulation<D> {
     if (interval > 0.0) next_reading_ = interval * (std::floor(time_ * (1.0 + 1e-9) / interval) + 1.0);
   }
 
+  // All that moves is prescribed, and its work known.
+  bool works_alone() const { return f_.counts_work && f_.free.empty(); }
+
   // Over the kinetic energy of the start, or where there was none over what the weight could give; with surface tension
   // over its energy beside that.
-  double energy_change(const energies& now) const {
+  // Collective.
+  double energy_change(const energies& now) {
     const double weight = now.mass * f_.gravity() * f_.p.height;
     const double scale = (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface;
-    return (now.mechanical() - first_->mechanical() - f_.sources.work_of_forces()) / scale;
+    double supplied = f_.sources.work_of_forces();
+    if (works_alone()) {
+      const auto work = count_of(f_).work;
+      supplied += work[0] + work[1] + f_.counted.energy;
+    }
+    return (now.mechanical() - first_->mechanical() - supplied) / scale;
   }
 
   void report_exact(double t, nlohmann::ordered_json& m) const {
@@ -338,7 +394,8 @@ class flow : public run::particle_simulation<D> {
       report_pressure(f_.o, name, read_.of(name), known.pressure[n], m);
     }
     const auto names = force_names(f_.p.force.size(), D);
-    for (std::size_t n = 0; n < names.size(); ++n) report_force(f_.o, names[n], read_.of(names[n]), known.force[n], m);
+    for (std::size_t n = 0; n < names.size(); ++n)
+      report_force(f_.o, names[n], read_.of(names[n]), read_.of(impulse_name(names[n])), known.force[n], m);
     for (const auto& column : read_.columns)
       if (column.name.starts_with("motion_") || column.name.starts_with("angle_"))
         m[column.name + "_last"] = read_.of(column.name).value.back();

@@ -123,16 +123,6 @@ std::vector<solids::rigid_matrix<D>> find_added_masses(water<D>& f) {
   return all;
 }
 
-// About which axes a body does not turn: one that runs through periodic sides turns about their axis alone.
-template <int D>
-std::array<bool, solids::rigid<D>::turns> held_turns(const water<D>& f, std::size_t body) {
-  std::array<bool, solids::rigid<D>::turns> held{};
-  const auto& through = f.p.template motions_in<D>()[body].images.through;
-  for (std::size_t a = 0; a < D; ++a)
-    for (std::size_t k = 0; k < held.size(); ++k) held[k] = held[k] || (through[a] && (D == 2 || k != a));
-  return held;
-}
-
 // m/s2, where its centre is.
 template <int D>
 solids::point<D> gravity_on(const water<D>& f, const moving_body<D>& b) {
@@ -205,24 +195,6 @@ void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, 
     for (std::size_t a = 0; a < turns; ++a) rate[2 * D + angles + a][n] = loads[n].moment[a] / b.spin_scale();
     ++n;
   }
-}
-
-// Collective. Of those bodies whose force a gauge reads, at the state in the arrays.
-template <int D>
-std::vector<load<D>> read_loads(water<D>& f) {
-  forget_accelerations(f);
-  refresh(f);
-  sum_over_neighbours(f, f.rows_near_bodies);
-  if (!f.free.empty()) accelerate_free_bodies(f);
-  std::vector<std::size_t> bodies;
-  std::vector<solids::point<D>> about;
-  for (const auto& g : f.p.force) {
-    const auto* b = f.mover(static_cast<std::int32_t>(g.body));
-    const auto centre = of_solids<D>(g.centre);
-    bodies.push_back(g.body);
-    about.push_back(g.about ? of_solids<D>(*g.about) : b != nullptr ? b->now.to_space(centre) : centre);
-  }
-  return loads_on(f, bodies, about);
 }
 
 }  // namespace tetsuame::free_surface

@@ -26,12 +26,17 @@ void put_difference(nlohmann::ordered_json& metrics, const std::string& name, st
 }
 
 // Over all of the span, or not at all: what is held against it is.
-void put_impulse(nlohmann::ordered_json& metrics, const std::string& name, const series& s, std::optional<double> from,
-                 double until) {
+template <class Impulse>
+void put_impulse_by(nlohmann::ordered_json& metrics, const std::string& name, const series& s,
+                    std::optional<double> from, double until, const Impulse& impulse) {
   if (!from) return put(metrics, name, {}, "the water has not arrived");
   const bool known = *from < until && covers(s, *from, until);
-  put(metrics, name, known ? std::optional(integral(s, *from, until)) : std::nullopt,
+  put(metrics, name, known ? std::optional(impulse(*from, until)) : std::nullopt,
       fmt::format("asked for from {:.6g} to {:.6g} s, and known from {}", *from, until, times_of(s)));
+}
+void put_impulse(nlohmann::ordered_json& metrics, const std::string& name, const series& s, std::optional<double> from,
+                 double until) {
+  put_impulse_by(metrics, name, s, from, until, [&](double a, double b) { return integral(s, a, b); });
 }
 
 }  // namespace
@@ -75,19 +80,28 @@ std::vector<std::string> force_names(std::size_t gauges, int dimension) {
   return all;
 }
 
-void report_force(const options& o, const std::string& name, const series& run, const series& reference,
-                  nlohmann::ordered_json& metrics) {
+std::string impulse_name(const std::string& force) { return force + "_impulse"; }
+
+void report_force(const options& o, const std::string& name, const series& run, const series& impulse,
+                  const series& reference, nlohmann::ordered_json& metrics) {
   const auto& g = o.gauges;
+  const double from = g.impulse_from.value_or(run.time.front()), until = g.impulse_until.value_or(run.time.back());
+  const auto between = [&](double a, double b) {
+    const auto at = [&](double t) {
+      return *value_at(impulse, std::clamp(t, impulse.time.front(), impulse.time.back()));
+    };
+    return at(b) - at(a);
+  };
   const auto report = [&](const series& s, const std::string& end) {
     if (s.empty()) return;
     const auto largest = std::ranges::max_element(s.value, {}, [](double v) { return std::abs(v); });
     metrics[name + "_largest" + end] = *largest;
     metrics[name + "_largest_time" + end] = s.time[static_cast<std::size_t>(largest - s.value.begin())];
-    put_impulse(metrics, name + "_impulse" + end, s, g.impulse_from.value_or(run.time.front()),
-                g.impulse_until.value_or(run.time.back()));
   };
   report(run, "");
+  put_impulse_by(metrics, name + "_impulse", run, from, until, between);
   report(reference, "_reference");
+  if (!reference.empty()) put_impulse(metrics, name + "_impulse_reference", reference, from, until);
   if (!reference.empty())
     put_difference(metrics, name + "_mean_error", mean_difference(run, reference), run, reference);
 }

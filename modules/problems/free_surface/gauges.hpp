@@ -17,8 +17,10 @@ void report_height(const std::string& name, const series& run, const series& ref
                    nlohmann::ordered_json& metrics);
 // Names of the columns of so many gauges of forces, in their order.
 std::vector<std::string> force_names(std::size_t gauges, int dimension);
-void report_force(const options& o, const std::string& name, const series& run, const series& reference,
-                  nlohmann::ordered_json& metrics);
+std::string impulse_name(const std::string& force);  // of the column of its impulse
+// impulse: since the start (N s), as the run has integrated it; the reference's is that of its curve.
+void report_force(const options& o, const std::string& name, const series& run, const series& impulse,
+                  const series& reference, nlohmann::ordered_json& metrics);
 void report_front(const parameters& p, const series& run, nlohmann::ordered_json& metrics);
 
 }  // namespace tetsuame::free_surface

@@ -4,6 +4,8 @@
 // The images of a body in the sides are its own wall particles as the images of the water see them: what such an image
 // does to the water, a particle of the body does to the image of that water. So its reaction belongs to the body,
 // mirrored. Along a side the two are the same, so that no momentum is lost there.
+//
+// What holds water that lies on a body (rigid/contact.hpp) has its reaction, too.
 #pragma once
 
 #include <free_surface/sums.hpp>
@@ -13,12 +15,6 @@
 #include <utility>
 
 namespace tetsuame::free_surface {
-
-template <int D>
-struct load {
-  solids::point<D> force = foundation::zero<double, D>();                    // N; N/m in two dimensions
-  solids::about<D> moment = foundation::zero < double, D == 2 ? 1 : 3 > ();  // N m, about a point
-};
 
 // With new lists: wall particles by their bodies.
 template <int D>
@@ -73,6 +69,14 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
                               const std::vector<solids::point<D>>& about) {
   constexpr std::size_t T = D == 2 ? 1 : 3;
   std::vector<std::array<foundation::exact_sum, D + T>> sums(bodies.size());
+  const auto add = [&](std::size_t n, const solids::point<D>& x, const solids::point<D>& by) {
+    const auto moment = solids::moment<D>(x - about[n], by);
+    for (std::size_t a = 0; a < D; ++a) sums[n][a].add(by[a]);
+    for (std::size_t a = 0; a < T; ++a) sums[n][D + a].add(moment[a]);
+  };
+  for (const auto& push : f.pushes)
+    for (std::size_t n = 0; n < bodies.size(); ++n)
+      if (bodies[n] == push.body) add(n, push.x - push.image, -1.0 * push.momentum);
   for (const auto& group : f.groups) {
     if (std::ranges::find(bodies, group.body) == bodies.end()) continue;
     sum_without(f, group);
@@ -80,12 +84,8 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
       auto x = of_solids<D>(f.place(i)) - group.image;
       auto by = solids::point<D>::of([&](std::size_t a) { return f.force_without[a][i] - f.force[a][i]; });
       mirror_load(f, group, x, by);
-      for (std::size_t n = 0; n < bodies.size(); ++n) {
-        if (bodies[n] != group.body) continue;
-        const auto moment = solids::moment<D>(x - about[n], by);
-        for (std::size_t a = 0; a < D; ++a) sums[n][a].add(by[a]);
-        for (std::size_t a = 0; a < T; ++a) sums[n][D + a].add(moment[a]);
-      }
+      for (std::size_t n = 0; n < bodies.size(); ++n)
+        if (bodies[n] == group.body) add(n, x, by);
     }
   }
   std::vector<load<D>> all(bodies.size());

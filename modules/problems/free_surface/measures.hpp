@@ -44,6 +44,20 @@ energies energies_of(water<D>& f) {
           ranks.exact(elastic), energy_of_bodies(f),  surface_energy(f)};
 }
 
+// N s, of the water and of free bodies.
+template <int D>
+solids::point<D> momentum_of(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  std::array<foundation::exact_sum, D> sums;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    for (std::size_t a = 0; a < D; ++a) sums[a].add(s.m[i] * s.v[a][i]);
+  const auto total = f.ranks().exact(std::span(sums));
+  auto all = solids::point<D>::of([&](std::size_t a) { return total[a]; });
+  for (const auto& b : f.moving)
+    if (b.free) all += b.free->mass * b.rate.velocity;
+  return all;
+}
+
 template <int D>
 double largest_compression(const water<D>& f) {
   double most = 0.0;

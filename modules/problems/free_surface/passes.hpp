@@ -22,6 +22,7 @@
   where template std::int64_t tetsuame::rigid::put_out_of_bodies(bodies<D>&);                                \
   where template std::vector<tetsuame::free_surface::load<D>> tetsuame::free_surface::read_loads(water<D>&); \
   where template tetsuame::free_surface::energies tetsuame::free_surface::energies_of(water<D>&);            \
+  where template void tetsuame::free_surface::count_put_back(water<D>&);                                     \
   where template double tetsuame::free_surface::pressure_at(const water<D>&, const point&);                  \
   where template double tetsuame::free_surface::depth_at(const water<D>&, const point&)
 

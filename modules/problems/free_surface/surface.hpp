@@ -105,7 +105,7 @@ void shift(water<D>& f, double dt) {
   auto& s = f.world.w.s;
   const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
   std::vector<solids::point<D>> before;
-  for (const auto& h : f.held) before.push_back(of_solids<D>(f.place(h.i)));
+  for (const std::uint32_t i : f.beside_bodies) before.push_back(of_solids<D>(f.place(i)));
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (f.eigenvalue[i] < of_spray) return;
     const double speed = std::sqrt(f.speed2(i)), of_path = size * speed * speed_limiter(f, speed);
@@ -124,11 +124,16 @@ void shift(water<D>& f, double dt) {
     const double part = length > most ? most / length : 1.0;
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] += part * by[a];
   });
-  // What lies on a body does not drift into it.
-  for (std::size_t k = 0; k < f.held.size(); ++k) {
-    const auto& h = f.held[k];
-    const double into = foundation::dot(of_solids<D>(f.place(h.i)) - before[k], h.normal);
-    for (std::size_t a = 0; a < D; ++a) s.x[a][h.i] -= std::min(0.0, into) * h.normal[a];
+  // What is nearer to a body than half a spacing does not drift towards it.
+  const double near = 0.5 * f.dx();
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const std::uint32_t i = f.beside_bodies[k];
+    const auto x = of_solids<D>(f.place(i));
+    if (!(f.solid.level(x) < near)) continue;
+    const auto surface = f.solid.at(x);
+    if (!surface.found || !(surface.distance < near)) continue;
+    const double into = std::min(0.0, foundation::dot(x - before[k], surface.normal));
+    for (std::size_t a = 0; a < D; ++a) s.x[a][i] -= into * surface.normal[a];
   }
 }
 

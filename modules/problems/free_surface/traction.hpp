@@ -103,7 +103,7 @@ void add_traction(const water<D>& f, const plane<D>& p, foundation::exact_sum& s
 // With its images across periodic sides, and its mirror images in the others: what crosses the plane from behind a side
 // is the image of what crosses it from before.
 template <int D>
-void add_traction_of_images(const water<D>& f, const plane<D>& p, foundation::exact_sum& sum) {
+std::vector<plane<D>> with_images(const water<D>& f, const plane<D>& p) {
   const double reach = f.world.w.support() + gauge_radius * f.dx();
   point place{};
   for (std::size_t a = 0; a < D; ++a) place[a] = p.at[a];
@@ -122,7 +122,7 @@ void add_traction_of_images(const water<D>& f, const plane<D>& p, foundation::ex
       all.push_back(image);
     }
   }
-  for (const auto& one : all) add_traction(f, one, sum);
+  return all;
 }
 
 // The planes of a gauge: that of the wall that it is on, within half a spacing; else one across each axis.
@@ -162,7 +162,8 @@ template <int D>
 double pressure_at(const water<D>& f, const point& place) {
   const auto planes = planes_of_gauge(f, place);
   foundation::exact_sum sum;
-  for (const auto& p : planes) add_traction_of_images(f, p, sum);
+  for (const auto& p : planes)
+    for (const auto& image : with_images(f, p)) add_traction(f, image, sum);
   return f.ranks().exact(sum) / static_cast<double>(planes.size());
 }
 

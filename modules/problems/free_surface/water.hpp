@@ -18,9 +18,29 @@ inline constexpr double slow = 0.01;
 
 using rigid::moving_body, rigid::free_bodies, rigid::wall_group;
 
+// What the water does to a body.
+template <int D>
+struct load {
+  solids::point<D> force = foundation::zero<double, D>();                    // N; N/m in two dimensions
+  solids::about<D> moment = foundation::zero < double, D == 2 ? 1 : 3 > ();  // N m, about a point
+};
+
 template <int D>
 solids::point<D> of_solids(const point& x) {
   return solids::point<D>::of([&](std::size_t a) { return x[a]; });
+}
+
+// Whether the work of all bodies that move is known: of those whose force a gauge reads, or that move freely.
+template <int D>
+bool counts_work(const parameters& p) {
+  bool any = false, all = true;
+  const auto& motions = p.template motions_in<D>();
+  for (std::size_t b = 0; b < motions.size(); ++b) {
+    if (!motions[b].moves()) continue;
+    any = true;
+    all = all && (motions[b].free.has_value() || std::ranges::find(p.force, b, &force_gauge::body) != p.force.end());
+  }
+  return any && all;
 }
 
 template <int D>
@@ -40,6 +60,28 @@ struct water : rigid::bodies<D> {
   const bool asks_loads = has_bodies && (!p.force.empty() || has_free_bodies);
   particles::vector_field<D> force_without = vector<D>(asks_loads, "ForceWithout", "N");
   particles::array& density_rate_without = field(asks_loads, "DensityRateWithout", "kg/(m^3 s)");
+
+  // What of them is counted (budget.hpp): integrated with the state, on rank 0, impulses (N s, N m s) with an element a
+  // gauge, and the work that bodies that move do on the water (J); what is put back, on all ranks.
+  struct counted_loads {
+    static constexpr std::size_t components = D + (D == 2 ? 1 : 3);
+    std::array<std::vector<double>, components> impulse;
+    std::array<std::vector<double>, 2> work;               // by pressure, by friction
+    std::vector<std::array<double, components>> put_back;  // N s, N m s; of impulses, an element a gauge
+    double energy = 0.0;                                   // J, that what is put back gains, with free bodies
+
+    // Of gauges: since they were read last, s; what had been put back then; what was since on those of pressure, Pa s.
+    double read_at = 0.0, since_read = 0.0;
+    std::vector<std::array<double, components>> put_back_read;
+    std::vector<double> on_gauges;
+    double mean(double since) const { return since_read > 0.0 ? since / since_read : 0.0; }
+    void forget(double now) {
+      read_at = now;
+      put_back_read = put_back;
+      std::ranges::fill(on_gauges, 0.0);
+    }
+  } counted = {};
+  const bool counts_work = asks_loads && free_surface::counts_work<D>(p);
 
   // With free bodies: how the pressure of their wall particles follows each component of their acceleration, of
   // displacement and of rotation (free_bodies.hpp).
@@ -71,6 +113,7 @@ struct water : rigid::bodies<D> {
 
   // Of dy/dt; of what follows from the state alone, as of now.
   passes::evaluation<D> rates{world}, present{world};
+  std::vector<load<D>> free_loads = {};  // in the last of the first, on free bodies about their centres
 
   water(const options& of_input, const parameters& that_follow)
       : rigid::bodies<D>{world, box_of<D>(of_input), that_follow.template bodies_in<D>(),
@@ -78,7 +121,12 @@ struct water : rigid::bodies<D> {
         o(of_input),
         p(that_follow) {
     const double c = p.water.sound;
+    this->fitted = true;
     this->contact = {.gravity = gravity(), .held_below = slow * c, .at_rest = rigid::at_rest * c};
+    this->counts_impacts = asks_loads || (has_bodies && !o.gauges.pressure[0].empty());
+    counted.put_back.resize(p.force.size());
+    counted.put_back_read.resize(p.force.size());
+    counted.on_gauges.resize(o.gauges.pressure[0].size());
   }
 
   water(const water&) = delete;  // its fields are the state's
