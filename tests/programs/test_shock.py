@@ -197,6 +197,32 @@ class Shock(Case):
         again = self.summary(first.directory / "resolved.nml", {"time.steps": 1})
         self.assertEqual(again["state_hash"], first.summary["state_hash"])
 
+    def test_strong_shock(self):
+        """A pressure ratio of 3e4 over one density. With a tenth of the power of the pressure in the weight DISPH and GDISPH
+        have at most 1.2 of GSPH's errors; with the energy as weight cold gas beside hot is ten times too dense or more."""
+        tube = {"shock.rho_r": 1, "shock.p_l": 300, "shock.p_r": 0.01, "shock.gamma": 1.6667, "time.t_end": 0.015,
+                "domain.particles_x": 120, "output.interval": 0}
+        least = self.summary("sod", {**tube, "shock.scheme": "gsph"})["errors"]
+        for scheme in ["disph", "gdisph"]:
+            with self.subTest(scheme):
+                s = self.summary("sod", {**tube, "shock.scheme": scheme, "shock.weight": "power"})
+                for norm in ("density_l1", "velocity_l1", "pressure_l1"):
+                    self.assertLess(s["errors"][norm], 1.2 * least[norm], norm)
+                self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
+        s = self.summary("sod", {**tube, "shock.scheme": "disph"})
+        self.assertGreater(s["errors"]["density_l1"], 3 * least["density_l1"])
+
+    def test_power_of_the_pressure(self):
+        """In Sod's tube, whose halves meet elsewhere, better than with the energy; the contact of equal masses is held."""
+        tube = {"domain.particles_x": 100, "shock.middle": 0.4, "time.t_end": 0.15}
+        energy, power = (self.summary("sod", {**tube, "shock.weight": weight})["errors"]["density_l1"] for weight in ("energy", "power"))
+        self.assertLess(power, 0.8 * energy)
+        m = self.summary("square", {"domain.particles_x": 16, "shock.masses": "equal_mass", "time.t_end": 1, "shock.weight": "power"})["metrics"]
+        self.assertLess(abs(m["square_area_change"]), 0.03)
+        self.assertLess(abs(m["square_corner_radius"]), 1 / 16 / (2**0.5 - 1) / 0.5)  # a spacing of the thin gas
+        self.assert_exact("shock", "sod", {"domain.dimension": 2, "domain.particles_x": 64, "domain.particles_y": 16, "domain.periodic_y": "T",
+                                           "kernel.skin": 0.5, "time.t_end": 0.04, "shock.weight": "power"}, 10, [(2, 1)])
+
     def test_vortex(self):
         """Fields linear in x are what kernels that reproduce them do not damp: less than half of the others' error."""
         errors = {scheme: self.summary("gresho", {"domain.particles_x": 24, "time.t_end": 0.5 if SLOW else 0.3, "shock.scheme": scheme})
@@ -342,7 +368,7 @@ class Shock(Case):
     def test_wrong_input(self):
         for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),
                                  ("shock.p_r", -1, "p_r"), ("shock.p_infinity_l", 1, "weight"),
-                                 ("shock.gravity", 1, "rayleigh_taylor"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
+                                 ("shock.gravity", 1, "rayleigh_taylor"), ("shock.middle", 1, "[0.05, 0.95]"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
                                  ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov"),
                                  ("shock.test", "'impact'", "equations of state"), ("expert.tillotson_l", "'iron'", "tillotson"),
                                  ("shock.coarser", 5, "400 particles"), ("shock.coarser", 6, "halved")]:

@@ -118,6 +118,7 @@ class list_of_passes {
     for (auto* list : {&e, &densities}) {
       list->given({s_.m, g_.start_volume, g_.gamma, g_.kind});
       list->remembered({g_.S});
+      if (g_.weighs_power) list->remembered({g_.power_weight});
       list->mirrored(walls::vector(s_.v));
       find_densities(*list);
       if (list == &densities) list->complete(passes::behind_walls::images);
@@ -142,10 +143,15 @@ class list_of_passes {
   }
 
   void find_densities(passes::evaluation<D>& list) {
+    passes::access uses{.reads = {s_.m, s_.u, g_.start_volume}, .writes = {g_.weight}};
+    if (g_.weighs_power) uses.reads.add({g_.power_weight});
     list.each(
-        "densities", {.reads = {s_.m, s_.u, g_.start_volume}, .writes = {g_.weight}},
+        "densities", uses,
         [this](std::size_t i) {
-          g_.weight[i] = g_.weighs_energy ? s_.m[i] * s_.u[i] : g_.weighs_volume ? g_.start_volume[i] : s_.m[i];
+          g_.weight[i] = g_.weighs_energy   ? s_.m[i] * s_.u[i]
+                         : g_.weighs_volume ? g_.start_volume[i]
+                         : g_.weighs_power  ? g_.power_weight[i]
+                                            : s_.m[i];
         },
         true);
     list.sum(
@@ -193,7 +199,7 @@ class list_of_passes {
   void find_pressure(std::size_t i, double k) {
     s_.rho[i] = g_.evolves_density ? g_.evolved[i]
                 : g_.weighs_energy ? g_.y[i] / s_.u[i]
-                : g_.weighs_volume ? s_.m[i] * g_.y[i] / (k * g_.weight[i])
+                : by_volume_       ? s_.m[i] * g_.y[i] / (k * g_.weight[i])
                                    : g_.y[i];
     if (g_.any_eos) {
       const eos::caloric_state now = g_.state_of(i);
@@ -297,6 +303,7 @@ class list_of_passes {
   const bool fades_ = g_.o.terms_fade();
   const bool with_z_ = g_.o.density_independent() && (g_.o.shock.support_terms == "number" || fades_);
   const bool with_f_ = !with_z_ && g_.o.shock.scheme != "gsph" && g_.o.shock.support_terms != "none";
+  const bool by_volume_ = g_.weighs_volume || g_.weighs_power;  // V = k w/y
   const bool volumes_by_density_ = g_.evolves_density || g_.geometric || g_.integral_gradients;
   const bool has_factor_ = g_.geometric && !g_.integral_gradients;
   std::size_t u_ = 0, extra_ = 0;  // places of rates

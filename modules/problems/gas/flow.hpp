@@ -167,7 +167,10 @@ class flow : public run::particle_simulation<D> {
   double allowance() const override { return gas::allowance(g_); }
   bool widens_lists() const override { return true; }  // the signal velocity limits steps too
 
-  void commit_lagged() override { next_supports(g_); }
+  void commit_lagged() override {
+    next_supports(g_);
+    if (g_.weighs_power) next_weights(g_);
+  }
   bool set_time(double t) override {
     time_ = t;
     return false;

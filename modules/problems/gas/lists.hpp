@@ -16,6 +16,16 @@ void next_supports(world<D>& g) {
   });
 }
 
+// weight = 'power': one pass towards y_i = p_i^ζ with w = p^ζ V, V = w/y and p = (γ - 1) m u/V. A disturbance of wave
+// number k of ln w is multiplied by (1 - ζ)(1 - S(k)), S the kernel's transfer function: it converges for every
+// 0 < ζ <= 1.
+template <int D>
+void next_weights(world<D>& g) {
+  const double exponent = g.o.shock.exponent;
+  foundation::for_all(g.w.s.fluid,
+                      [&](std::size_t i) { g.power_weight[i] *= std::pow(g.power_pressure(i), exponent) / g.y[i]; });
+}
+
 // What ghosts and images keep while the lists live.
 template <int D>
 void refresh_constants(world<D>& g) {

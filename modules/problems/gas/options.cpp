@@ -41,9 +41,12 @@ void declare_case(namelist::schema& schema, shock_options& s) {
 
 void declare_weights(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "weight", s.weight,
-             {.choices = {"energy", "volume"},
+             {.choices = {"energy", "volume", "power"},
               .meaning = "disph, gdisph, what is smoothed: m u; or the volume at the start, for any equation of state, "
-                         "with densities as given at the start"});
+                         "with densities as given at the start; or p^exponent times the volume, for an ideal gas with "
+                         "strong shocks"});
+  schema.add("shock", "exponent", s.exponent,
+             for_expert(between(0.01, 1.0, "weight = 'power': of the pressure; 1: the weight is that of 'energy'")));
   schema.add(
       "shock", "support_terms", s.support_terms,
       {.choices = {"weight", "number", "none", "fading"},
@@ -108,6 +111,8 @@ void declare_states(namelist::schema& schema, shock_options& s) {
 void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "window", s.window,
              for_expert(up_to(1.0, "errors are measured in this part of the box along x, about its middle")));
+  schema.add("shock", "middle", s.middle,
+             for_expert(between(0.05, 0.95, "riemann: where the two sides meet, in parts of the box along x")));
   schema.add("shock", "coarser", s.coarser,
              between(0, 10,
                      "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
@@ -258,7 +263,7 @@ void resolve_materials(const namelist::schema& schema, options& o) {
   if (s.l.eos.empty() != s.r.eos.empty())
     schema.fail("shock", s.l.eos.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
   if (o.any_eos()) {
-    if (o.weighs_energy())
+    if (o.weighs_energy() || o.weighs_power())
       schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
     return;
   }
@@ -270,7 +275,7 @@ void resolve_materials(const namelist::schema& schema, options& o) {
   if (one_gas) return;
   if (s.test != "riemann" && s.test != "square")
     schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
-  if (o.weighs_energy())
+  if (o.weighs_energy() || o.weighs_power())
     schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
 }
 
@@ -296,6 +301,9 @@ void check_test(const namelist::schema& schema, const options& o) {
     schema.fail("shock", "gravity", "gravity is for the test 'rayleigh_taylor', which needs it");
   if (test == "rayleigh_taylor" && o.domain.periodic[1])
     schema.fail("domain", "periodic_y", "the test 'rayleigh_taylor' has walls below and above");
+  if (s.weight == "power" && !o.density_independent())
+    schema.fail("shock", "weight", "'power' is of the schemes 'disph' and 'gdisph'");
+  if (s.middle != 0.5 && test != "riemann") schema.fail("shock", "middle", "is of the test 'riemann'");
   if (o.terms_fade() && s.scheme != "gdisph")
     schema.fail("shock", "support_terms", "'fading' is of the scheme 'gdisph'");
   if (test == "impact") {

@@ -30,10 +30,12 @@ struct side_options {
 struct shock_options {
   std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
   std::string weight = "energy", support_terms = "number";
+  double exponent = 0.1;  // of the pressure in the weight
   double fading = 20.0;  // of the terms of varying supports
   side_options l{1.0, 0.0, 1.0}, r{0.125, 0.0, 0.1};
   double gamma = 1.4;
   std::int64_t coarser = 0;                   // runs at 1/2, 1/4, … of the resolution before this one
+  double middle = 0.5;                        // riemann: where the two sides meet, of the box along x
   double window = 1.0;                        // of the box along x, about its middle: where errors are measured
   double energy = 1.0, blast_radius = 2.0;    // J; in spacings
   bool corner = false;                        // sedov: the centre is in a corner
@@ -61,6 +63,7 @@ struct options {
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
   bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
+  bool weighs_power() const { return density_independent() && shock.weight == "power"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
   // Of Σ m W, with artificial viscosity: those that have other gradients and dissipation to choose.
   bool density_based() const { return shock.scheme == "ssph" || geometric(); }

@@ -37,13 +37,13 @@ double spacing_of(const options& o, double rho, double rho_lattice) {
 setup two_halves(const options& o, std::function<state(const point&, double t)> exact, numbers known) {
   const auto& s = o.shock;
   const point end = o.domain.length;
-  const double middle = 0.5 * end[0], mean = 0.5 * (s.l.rho + s.r.rho);
+  const double middle = s.middle * end[0], mean = s.middle * s.l.rho + (1.0 - s.middle) * s.r.rho;
   setup t;
   t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.l.rho, mean)),
               lattice(o, {middle, 0.0, 0.0}, end, spacing_of(o, s.r.rho, mean))};
   t.start = [exact](const point& x) { return exact(x, 0.0); };
-  t.measured = [=, width = 0.5 * s.window * end[0]](const point& x, double) {
-    return std::abs(x[0] - middle) <= width;
+  t.measured = [=, half = 0.5 * end[0], width = 0.5 * s.window * end[0]](const point& x, double) {
+    return std::abs(x[0] - half) <= width;
   };
   t.exact = std::move(exact);
   t.known = std::move(known);
@@ -54,7 +54,7 @@ setup tube_of_gases(const options& o) {
   const auto& s = o.shock;
   const exact::shock_tube tube({s.l.rho, s.l.u, s.l.p, *s.l.gamma, s.l.p_infinity},
                                {s.r.rho, s.r.u, s.r.p, *s.r.gamma, s.r.p_infinity});
-  const auto at = [=, middle = 0.5 * o.domain.length[0]](const point& x, double time) {
+  const auto at = [=, middle = s.middle * o.domain.length[0]](const point& x, double time) {
     const auto w = tube.at(x[0] - middle, time);
     return state{w.rho, w.p, {w.u, 0.0, 0.0}, x[0] < middle ? 0 : 1};
   };
@@ -73,7 +73,7 @@ setup tube_of_materials(const options& o) {
           tube({&l, q.l.rho, q.l.u, *q.l.temperature}, {&r, q.r.rho, q.r.u, *q.r.temperature}) {}
   };
   const auto both = std::make_shared<const materials>(o.shock);
-  const auto at = [both, s = o.shock, middle = 0.5 * o.domain.length[0]](const point& x, double time) {
+  const auto at = [both, s = o.shock, middle = o.shock.middle * o.domain.length[0]](const point& x, double time) {
     if (!(time > 0.0)) return x[0] < middle ? state{s.l.rho, s.l.p, {s.l.u}, 0} : state{s.r.rho, s.r.p, {s.r.u}, 1};
     const double xi = (x[0] - middle) / time;
     const auto w = both->tube.at(xi);

@@ -212,6 +212,22 @@ void set_up(world<D>& g) {
   if (g.o.common.start.is_read()) take_from_file(g);
 }
 
+// The weights of the start, to 1e-4: a pass leaves 1 - exponent at most (lists.hpp).
+template <int D>
+void settle_weights(world<D>& g, passes::evaluation<D>& densities) {
+  const auto& s = g.w.s;
+  const double exponent = g.o.shock.exponent;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double p = (g.gamma[i] - 1.0) * g.evolved[i] * s.u[i];
+    g.power_weight[i] = std::pow(p, exponent) * g.start_volume[i];
+  }
+  const int rounds = 1 + static_cast<int>(std::log(1e-4) / std::log1p(-std::min(exponent, 0.9999)));
+  for (int k = 0; k < rounds; ++k) {
+    densities.run({});
+    next_weights(g);
+  }
+}
+
 // After the first lists. The start lattice's supports are those of an endless lattice: next to a jump they are not yet
 // the right ones.
 template <int D>
@@ -223,6 +239,7 @@ void settle(world<D>& g, passes::evaluation<D>& densities) {
     }
     make_lists(g, false);
   }
+  if (g.weighs_power) settle_weights(g, densities);
   if (!g.weighs_volume) return;
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
   densities.run({});

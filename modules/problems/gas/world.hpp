@@ -23,7 +23,8 @@ struct world : run::state<D>, schemes::arrays<D> {
   const options& o;
   const setup test;
   // What the options say, for loops over particles
-  const bool weighs_energy = o.weighs_energy(), weighs_volume = o.weighs_volume(), any_eos = o.any_eos();
+  const bool weighs_energy = o.weighs_energy(), weighs_volume = o.weighs_volume(), weighs_power = o.weighs_power();
+  const bool any_eos = o.any_eos();
   const bool godunov = o.godunov(), second_order = o.second_order(), evolves_density = o.evolves_density();
   const bool geometric = o.geometric(), integral_gradients = o.integral();
   const bool part_of_star = o.shock.star_pressure == "balsara";
@@ -40,6 +41,8 @@ struct world : run::state<D>, schemes::arrays<D> {
   particles::array& alpha = field("Alpha", "1", "of the artificial viscosity", particles::role::integrated);
   particles::array& start_volume = field("StartVolume", "m^D", "mass over density at the start");
   particles::array& start_sum = field("StartSum", "1", "sum of StartVolume W at the start");
+  particles::array& power_weight = particles::declare_if(weighs_power, w.s, "PowerWeight", "", particles::role::memory,
+                                                         "p^exponent times the volume");
   particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
 
   sources::fields<D> sources = {};
@@ -61,6 +64,10 @@ struct world : run::state<D>, schemes::arrays<D> {
   const domain::communicator& ranks() const { return w.d.ranks; }
   schemes::fields<D> fields() { return {w.s, *this}; }
 
+  // weight = 'power': of V = w/y and u, with y of the last sums.
+  double power_pressure(std::size_t i) const {
+    return (this->gamma[i] - 1.0) * w.s.m[i] * w.s.u[i] * this->y[i] / power_weight[i];
+  }
   const particles::array& told_density() const { return o.shock.density == "mass" ? this->mass_density : w.s.rho; }
   // A part of the skin is for supports to grow, the rest for particles to move.
   double room_to_grow() const { return 0.25 * skin; }
