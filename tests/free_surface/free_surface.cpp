@@ -246,13 +246,14 @@ BOOST_AUTO_TEST_CASE(shifting) {
   BOOST_TEST(disorder() < 0.5 * first);
 }
 
-// Water of half its concentration loses its pressure with time, and its tension at once, less of both the slower it
-// moves; whole water loses nothing.
+// Water of half its concentration loses with time what pressure it has beyond that of still water a support deep, and
+// its tension at once, less of both the slower it moves; whole water loses nothing.
 BOOST_AUTO_TEST_CASE(lost_concentration) {
   scene<2> scene(tank("high_x = 1.0 high_y = 0.75"));
   auto& f = *scene.f;
   auto& s = scene.particles();
   const double dt = 0.01, sound = f.p.water.sound, part = std::exp(-dt * sound / f.world.w.support());
+  const double deep = f.p.water.density_beneath(9.81 * f.world.w.support());
   for (const bool whole : {true, false}) {
     for (std::size_t i = 0; i < s.fluid; ++i) {
       if (!whole) s.m[i] *= 0.5;
@@ -264,16 +265,41 @@ BOOST_AUTO_TEST_CASE(lost_concentration) {
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double lively = s.id[i] % 3 == 0 ? 0.01 : 1.0;
       const double lost = whole && f.eigenvalue[i] >= inside ? 0.0 : lively * (s.id[i] % 2 == 0 ? 1.0 - part : 1.0);
-      const double beyond = s.id[i] % 2 == 0 ? 10.0 : -5.0;
-      BOOST_TEST(s.rho[i] == 1000.0 + (1.0 - lost) * beyond, tt::tolerance(1e-12));
+      const double before = s.id[i] % 2 == 0 ? 1010.0 : 995.0, until = s.id[i] % 2 == 0 ? deep : 1000.0;
+      BOOST_TEST(s.rho[i] == before + lost * (until - before), tt::tolerance(1e-12));
       BOOST_TEST((whole || f.eigenvalue[i] < inside));
+    }
+  }
+}
+
+// A beach slows the water by its rate, which rises as the square of the way in, from either end.
+BOOST_AUTO_TEST_CASE(a_beach_drags) {
+  for (const auto& [from, to] : {std::pair{0.5, 1.5}, std::pair{1.5, 0.5}}) {
+    scene<2> with(tank(fmt::format("high_y = 1.0 beach_rate = 3.0 beach_from = {} beach_to = {}", from, to)));
+    scene<2> without(tank("high_y = 1.0"));
+    for (auto* s : {&with, &without}) disturb(*s);
+    const auto slowed = with.rates(), free = without.rates();
+    const auto& s = with.particles();
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double in = std::clamp((s.x[0][i] - from) / (to - from), 0.0, 1.0);
+      for (std::size_t a = 0; a < 2; ++a)
+        BOOST_TEST(slowed[2 + a][i] - free[2 + a][i] == -3.0 * in * in * s.v[a][i], tt::tolerance(1e-6));
     }
   }
 }
 
 BOOST_AUTO_TEST_CASE(exact_solutions) {
   const standing_wave wave{std::numbers::pi, 1.0, 9.81, 0.05};
-  BOOST_TEST(wave.period() == 1.13391748, tt::tolerance(1e-8));
+  BOOST_TEST(*period_of(wave.rate(0.0)) == 1.13391748, tt::tolerance(1e-8));
+  // Slightly viscous, it decays as Lamb's article 348 says.
+  const double nu = 1e-7, k = std::numbers::pi;
+  BOOST_TEST(-2.0 * wave.rate(nu).real() == 4.0 * nu * k * k, tt::tolerance(1e-3));
+  // Rayleigh: deep standing waves are slower by (ka)²/8.
+  const standing_wave deep{2.0 * k, 10.0, 9.81, 0.02};
+  BOOST_TEST(deep.faster_by() == -0.125 * std::pow(2.0 * k * 0.02, 2), tt::tolerance(1e-9));
+  BOOST_TEST(*wave.mean_period(0.0, 1.0) == 1.13391748 / (1.0 + wave.faster_by()), tt::tolerance(1e-8));
+  // Thick as honey it creeps back without a swing.
+  BOOST_TEST(!deep.mean_period(100.0, 1.0).has_value());
   // The published semi-axes have five digits.
   for (const auto& [t, b] : {std::pair{0.0008, 1.0831}, std::pair{0.0038, 1.4392}, std::pair{0.0076, 1.9445}}) {
     const auto axes = drawn_out(1.0, 100.0, t);

@@ -91,3 +91,43 @@ BOOST_AUTO_TEST_CASE(hydrostatic_start) {
   }
   BOOST_TEST(scene.sum([](std::size_t) { return 1.0; }) == 300.0);
 }
+
+namespace {
+
+// m, to which the water at (x, y) would rise, by its density.
+std::vector<double> levels(scene<2>& scene) {
+  std::vector<double> all;
+  const auto& s = scene.particles();
+  const auto& w = scene.p.water;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double n = static_cast<double>(w.exponent - 1), stretch = std::pow(s.rho[i] / w.density, n) - 1.0;
+    all.push_back(s.x[1][i] + stretch * w.sound * w.sound / n / 9.81);
+  }
+  return all;
+}
+
+}  // namespace
+
+// Three blocks, the middle one under a body: legs of a U-tube, whose water is one.
+BOOST_AUTO_TEST_CASE(blocks_of_one_level) {
+  scene<2> scene(
+      "&domain length_x = 2.0 length_y = 1.5 particles_x = 40 particles_y = 30 / &flow low_x = 0, 0.6, 1.4 high_x = "
+      "0.6, 1.4, 2 low_y = 0, 0, 0 high_y = 1, 0.3, 1 / &solids shape = 'box' centre_x = 1 centre_y = 0.9 length_x = "
+      "0.8 length_y = 1.2 / &walls slip_top = 'free_surface' / &time t_end = 1 /");
+  for (const double level : levels(scene)) BOOST_TEST(level == 1.0, tt::tolerance(1e-12));
+}
+
+// Two legs and what joins them beneath a body, each a particle wide: the level falls by as much from each to the next, and by half of
+// that beneath the surfaces.
+BOOST_AUTO_TEST_CASE(blocks_of_two_levels) {
+  scene<2> scene(tank("low_x = 0, 0.05, 1 high_x = 0.05, 1, 1.05 low_y = 0, 0, 0 high_y = 1, 0.05, 0.6 / &solids shape "
+                      "= 'box' centre_x = 0.525 centre_y = 1.025 length_x = 0.95 length_y = 1.95"));
+  const auto found = levels(scene);
+  const auto& s = scene.particles();
+  const double along = 19.5 + 20.0 + 11.5;  // steps: down, along, up
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double x = std::floor(s.x[0][i] / 0.05), y = std::floor(s.x[1][i] / 0.05);
+    const double steps = x == 0.0 ? 19.5 - y : 19.5 + x + y;
+    BOOST_TEST(found[i] == 1.0 - 0.4 * steps / along, tt::tolerance(1e-8));
+  }
+}

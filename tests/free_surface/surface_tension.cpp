@@ -91,7 +91,8 @@ BOOST_AUTO_TEST_CASE(laplace_pressure_of_a_ball) {
       "&domain dimension = 3 length_x = 2.0 length_y = 2.0 length_z = 2.0 particles_x = 26 particles_y = 26 "
       "particles_z = 26 / &flow start = 'drop' low_x = 0.230769230769230769 high_x = 1.769230769230769231 "
       "low_y = 0.230769230769230769 high_y = 1.769230769230769231 low_z = 0.230769230769230769 "
-      "high_z = 1.769230769230769231 gravity = 0.0 sound_speed = 20.0 surface_tension = 0.5 / &time t_end = 1.0 /");
+      "high_z = 1.769230769230769231 gravity = 0.0 sound_speed = 20.0 surface_tension = 0.5 / &kernel h_over_dx = 1.5 / "
+      "&time t_end = 1.0 /");
   scene.rates();
   const auto& s = scene.particles();
   const auto& force = scene.f->tension;
@@ -109,10 +110,14 @@ BOOST_AUTO_TEST_CASE(laplace_pressure_of_a_ball) {
 
 // Numbers by hand.
 BOOST_AUTO_TEST_CASE(periods) {
-  BOOST_TEST((round_drop{2, 1e-3, 7.2e-5}.period()) == 9.5597e-3, tt::tolerance(1e-4));
-  BOOST_TEST((round_drop{3, 1e-3, 7.2e-5}.period()) == 8.2790e-3, tt::tolerance(1e-4));
-  BOOST_TEST((round_drop{2, 1e-3, 7.2e-5}.decay(1e-6)) == 4.0, tt::tolerance(1e-12));
-  BOOST_TEST((round_drop{3, 1e-3, 7.2e-5}.decay(1e-6)) == 5.0, tt::tolerance(1e-12));
+  // Without viscosity; with hardly any, where the part of the layer under the surface is 0.6 per cent at z = 270.
+  for (const auto& [dimension, period, decay] : {std::tuple{2, 9.5597e-3, 4.0}, std::tuple{3, 8.2790e-3, 5.0}}) {
+    const round_drop drop{dimension, 1e-3, 7.2e-5};
+    BOOST_TEST(*period_of(drop.rate(0.0)) == period, tt::tolerance(1e-4));
+    BOOST_TEST(-drop.rate(1e-8).real() == 0.01 * decay, tt::tolerance(0.01));
+    // Thick as honey it creeps back without a swing.
+    BOOST_TEST(!period_of(drop.rate(1e-2)).has_value());
+  }
   // 17 mm: both restore by as much, where the water is deep.
   const double k = std::sqrt(9.81 / 7.2e-5);
   BOOST_TEST((standing_wave{k, 1.0, 9.81, 1e-4, 7.2e-5}.frequency()) == std::sqrt(2.0 * 9.81 * k),

@@ -125,6 +125,30 @@ class Flow(Case):
             self.assertEqual(len(x), s["wall_particles"])
             self.assertLess((abs(x[:, 0] - 1.0) + abs(x[:, 1] + 0.01)).max(), 0.5)
 
+    def rests(self, text):
+        """Water 1 m deep and twenty particles deep on the default kernel, for twelve sqrt(H/g): a lattice that does not stay has slid by then.
+        The largest error of the pressure 0.2 m and more beneath the surface over rho g H, beside that of water that its weight compresses."""
+        path = self.here / f"rests_{len(list(self.here.iterdir()))}.nml"
+        path.write_text(text + "&walls slip_top = 'free_surface' /\n&time t_end = 4 /\n&output interval = 0 /\n")
+        result = self.run_program("flow", path)
+        with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
+            y, p = file["PartType0/Coordinates"][:, 1], file["PartType0/Pressure"][:]
+        gH, gd = 9.81, 9.81 * (1 - y)
+        still = 1e3 * 100 * gH / 7 * ((1 + 6 * gd / (100 * gH)) ** (7 / 6) - 1)
+        return (abs(p - still) / (1e3 * gH))[y < 0.8].max()
+
+    def test_oblique_floor(self):
+        """At 25 degrees to the lattice: 0.1 per cent; with h = 1.5 dx 4 per cent."""
+        self.assertLess(self.rests("&domain length_x = 1 length_y = 1.2 particles_x = 20 particles_y = 24 /\n"
+                                   "&flow high_y = 1 around_bodies = .true. /\n"
+                                   "&solids shape = 'box' centre_x = 0.5 centre_y = -0.3 angle_z = 25 length_x = 3 length_y = 1 /\n"), 0.005)
+
+    def test_u_tube(self):
+        """Three blocks, of which a body covers the middle one: 0.6 per cent; with h = 1.5 dx 36 per cent."""
+        self.assertLess(self.rests("&domain length_x = 2 length_y = 1.2 particles_x = 40 particles_y = 24 /\n"
+                                   "&flow low_x = 0, 0.6, 1.4 high_x = 0.6, 1.4, 2 low_y = 0, 0, 0 high_y = 1, 0.4, 1 /\n"
+                                   "&solids shape = 'box' centre_x = 1 centre_y = 1 length_x = 0.8 length_y = 1.2 /\n"), 0.01)
+
     def test_body_for_a_side(self):
         """Where the tank ends at a body in place of a side, the front arrives at the same time."""
         side = self.summary(self.small(), {"time.t_end": 0.55})["metrics"]
@@ -136,12 +160,25 @@ class Flow(Case):
         self.assertAlmostEqual(body["front_largest"], 1.61, delta=0.035)
 
     def test_standing_wave(self):
-        """Sixteen particles deep: the sums smooth the wave by some (kS)^2/10 or 4 %, of which the period shows half."""
+        """Sixteen particles deep: the sums smooth the wave by some (kS)^2/10 or 7 %, of which the period shows half. In the period's reference
+        viscosity has 0.165 % and the amplitude -(ka)^2/8 of a mean square that falls with the energy."""
+        t_end, decay = 2.3, 0.22878848
         m = self.summary("standing_wave", {"domain.particles_x": 32, "domain.particles_y": 19, "domain.length_y": 19 / 16,
-                                           "time.t_end": 2.3, "output.interval": 0})["metrics"]
-        self.assertAlmostEqual(m["period_theory"], 1.13391748, delta=1e-8)
+                                           "time.t_end": t_end, "output.interval": 0})["metrics"]
+        slower = 0.00306097 * (1 - math.exp(-decay * t_end)) / (decay * t_end)
+        self.assertAlmostEqual(m["period_theory"], 1.13579287 / (1 - slower), delta=1e-6)
+        self.assertAlmostEqual(m["energy_decay_theory"], decay, delta=1e-7)
         self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.03)
         self.assertLess(abs(m["energy_decay"] / m["energy_decay_theory"] - 1), 0.4)
+
+    def test_waves_keep_their_energy(self):
+        """On hardly any viscosity, 24 particles deep: 2.3 % of the energy lost a period, twice that if the surface lost its pressure."""
+        m = self.summary("standing_wave", {
+            "domain.length_x": 1.6, "domain.length_y": 0.96, "domain.particles_x": 40, "domain.particles_y": 24, "flow.high_y": 0.8,
+            "flow.wavelength": 1.6, "flow.amplitude": 0.03, "flow.viscosity": 0.1, "time.t_end": 2.2, "output.interval": 0})["metrics"]
+        self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.01)
+        lost = 1 - math.exp(-(m["energy_decay"] - m["energy_decay_theory"]) * m["period"])
+        self.assertLess(lost, 0.04)
 
     def test_elliptical_drop(self):
         """Ten particles a radius, to the first of the published times; the start's steps at the rim are half a spacing."""
@@ -162,9 +199,9 @@ class Flow(Case):
         result = self.run_program("flow", "oscillating_drop", {"domain.particles_x": 36, "domain.particles_y": 36, "time.t_end": 0.012,
                                                                "output.interval": 0})
         m = result.summary["metrics"]
-        self.assertAlmostEqual(m["oscillation_period_theory"], 9.56e-3, delta=0.1e-3)
+        self.assertAlmostEqual(m["oscillation_period_theory"], 9.59e-3, delta=0.02e-3)
         self.assertLess(abs(m["oscillation_period"] / m["oscillation_period_theory"] - 1), 0.05)
-        self.assertAlmostEqual(m["oscillation_decay_theory"], 4 * 5e-6 / 1e-6, delta=5)  # with the artificial viscosity
+        self.assertAlmostEqual(m["oscillation_decay_theory"], 0.93 * 4 * 6.3e-6 / 1e-6, delta=0.5)  # with the artificial viscosity
         self.assertLess(abs(m["laplace_pressure"] / m["laplace_pressure_theory"] - 1), 0.15)
         self.assertNotIn("semi_axis_y_exact", m)
         self.assertLess(abs(result.summary["conservation"]["energy"]), 0.05)
@@ -353,6 +390,10 @@ class Flow(Case):
                 ("dam_break_2d", {"domain.periodic_y": "T"}, ["&domain periodic_y", "floor"]),
                 ("dam_break_2d", {"flow.gravity": 0}, ["sound_speed", "without gravity"]),
                 ("dam_break_2d", {"flow.gravity": 0, "flow.sound_speed": 10}, ["&walls slip_top", "gravity"]),
+                ("standing_wave", {"flow.beach_rate": 1}, ["&flow beach_from", "must be given"]),
+                ("standing_wave", {"flow.beach_from": 1}, ["&flow beach_from", "beach_rate is 0"]),
+                ("wave_on_a_beach", {"flow.beach_to": 7}, ["&flow beach_to", "outside the box: 7 m"]),
+                ("wave_on_a_beach", {"flow.beach_to": 3.21}, ["&flow beach_to", "at least a particle spacing"]),
                 ("dam_break_2d", {"flow.amplitude": 0.1}, ["&flow amplitude", "standing_wave"]),
                 ("still_wedge", {"flow.around_bodies": "F"}, ["&solids shape", "start inside a wall", "body 'wedge'"]),
                 ("still_wedge", {"solids.centre_x": 5}, ["&solids shape", "'wedge' lies outside the box"]),

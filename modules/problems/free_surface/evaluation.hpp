@@ -1,7 +1,8 @@
 // The right-hand side as a list of passes:
 //   1. pressure and volume of each density; those of what stands behind walls, with the weight of water up to there
 //   2. the sums over neighbours (terms.hpp, riemann_terms.hpp); surface tension; free bodies
-//   3. rates of x, v, ρ, of the free bodies' state, and of what is counted of forces on bodies
+//   3. rates of x, v, ρ, of the free bodies' state, and of what is counted of forces on bodies; on a beach
+//      Dv/Dt = … - γ(x) v
 #pragma once
 
 #include <free_surface/budget.hpp>
@@ -44,16 +45,18 @@ void declare_rates(water<D>& f, std::size_t first_of_loads) {
   auto& e = f.rates;
   auto& s = f.world.w.s;
   e.each("rates",
-         {.reads = {s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)},
+         {.reads = {s.x, s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)},
           .rates = {s.x, s.rho},
           .accumulates = {s.v}},
          [&f, &e, tense = f.has_tension()](std::size_t i) {
            const auto& w = f.world.w;
+           const double drag = f.o.flow.on_beach(w.s.x[0][i]);
            for (std::size_t a = 0; a < D; ++a) {
              e.rate(a)[i] = w.s.v[a][i];
              double& dv = e.rate(D + a)[i];
              dv = f.force[a][i] / w.s.m[i] + w.gravity(a, i);
              if (tense) dv += f.tension[a][i] / w.s.m[i];
+             if (drag > 0.0) dv -= drag * w.s.v[a][i];
            }
            e.rate(2 * D)[i] = f.density_rate[i];
          });

@@ -351,9 +351,9 @@ class flow : public run::particle_simulation<D> {
       const standing_wave wave = wave_of(f_.o, f_.p);
       const auto measured = measured_oscillation(read_.of("wave"));
       m["period"] = run::or_null(measured.period);
-      m["period_theory"] = wave.period();
+      m["period_theory"] = run::or_null(wave.mean_period(f_.p.kinematic_viscosity, t));
       m["energy_decay"] = run::or_null(measured.decay ? std::optional(2.0 * *measured.decay) : std::nullopt);
-      m["energy_decay_theory"] = wave.energy_decay(f_.p.kinematic_viscosity);
+      m["energy_decay_theory"] = -2.0 * wave.rate(f_.p.kinematic_viscosity).real();
     }
     if (f_.o.flow.start == "drop") {
       const auto now = semi_axes_of(f_);
@@ -377,9 +377,10 @@ class flow : public run::particle_simulation<D> {
     for (std::size_t k = 0; k < x.value.size(); ++k) out_of_round.value[k] -= x.value[k];
     const auto measured = measured_oscillation(out_of_round);
     m["oscillation_period"] = run::or_null(measured.period);
-    m["oscillation_period_theory"] = drop.period();
+    const auto rate = drop.rate(f_.p.kinematic_viscosity);
+    m["oscillation_period_theory"] = run::or_null(period_of(rate));
     m["oscillation_decay"] = run::or_null(measured.decay);
-    m["oscillation_decay_theory"] = drop.decay(f_.p.kinematic_viscosity);
+    m["oscillation_decay_theory"] = -rate.real();
   }
 
   void report_gauges(nlohmann::ordered_json& m) const {

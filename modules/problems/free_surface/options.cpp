@@ -68,7 +68,7 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
               .stays_open = true,
               .expert = true,
               .meaning = "of the water at zero pressure, some ten times its largest speed; not given: by "
-                         "sound_factor"});
+                         "sound_factor, without gravity by surface_tension, too"});
   schema.add("flow", "viscosity", o.viscosity, {.unit = "Pa s", .minimum = 0.0, .meaning = "of the water"});
   schema.add(
       "flow", "surface_tension", o.surface_tension,
@@ -82,6 +82,18 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
           "how fast particles that move drift to where there are fewer, not across the "
           "surface; 0: they do not, and water that has lost its concentration keeps its pressure and tension. Once "
           "a step: with it every method of &time is of first order")));
+}
+
+void declare_beach(namelist::schema& schema, flow_options& o) {
+  schema.add("flow", "beach_rate", o.beach_rate,
+             {.unit = "1/s",
+              .minimum = 0.0,
+              .expert = true,
+              .meaning = "of a beach that absorbs waves: at its end the water slows at this rate"});
+  for (const auto& [key, at, meaning] :
+       {std::tuple{"beach_from", &o.beach_from, "where along x it begins; its rate rises as the square of the way in"},
+        std::tuple{"beach_to", &o.beach_to, "where it has its full rate, at smaller or larger x"}})
+    schema.add("flow", key, *at, {.unit = "m", .minimum = 0.0, .stays_open = true, .expert = true, .meaning = meaning});
 }
 
 void declare_blocks_around(namelist::schema& schema, flow_options& o) {
@@ -184,11 +196,43 @@ void check_drop(const namelist::schema& schema, const options& o, const paramete
                          : "the drop begins as a ball, within one block as wide as deep");
 }
 
+void check_beach(const namelist::schema& schema, const options& o) {
+  const auto& f = o.flow;
+  const double length = o.domain.length[0];
+  for (const auto& [key, at] : {std::pair{"beach_from", f.beach_from}, std::pair{"beach_to", f.beach_to}}) {
+    if (at && !(f.beach_rate > 0.0)) schema.fail("flow", key, "there is no beach: beach_rate is 0");
+    if (!at && f.beach_rate > 0.0) schema.fail("flow", key, "must be given: where the beach of beach_rate is");
+    if (at && *at > length * (1.0 + 1e-9))
+      schema.fail("flow", key, fmt::format("outside the box: {} m, where the box ends at {} m", *at, length));
+  }
+  if (f.beach_from && std::abs(*f.beach_to - *f.beach_from) < o.domain.dx())
+    schema.fail("flow", "beach_to", fmt::format("a beach is at least a particle spacing, {} m, long", o.domain.dx()));
+}
+
+// Of what &flow has σ for: σ/(ρΔx) over the square of the slowest sound beside waves of two spacings, of speed √(σk/ρ).
+// With Riemann problems densities of the outermost particles follow those within so fast that they give way to noise of
+// the curvature, unless sound is faster by far.
+double most_tension(const flow_options& f) {
+  constexpr double most_with_riemann = 0.02;  // measured (docs/theory/water_surface_tension.md)
+  return f.scheme == "riemann" ? most_with_riemann : 1.0 / std::numbers::pi;
+}
+
+// m/s: by the water's weight; without gravity by its surface tension, as fast beside a drop's swinging, and so much
+// faster than the slowest that goes with it that the drop loses what it should (docs/theory/water_surface_tension.md).
+double sound_speed_of(const options& o, double height) {
+  const auto& f = o.flow;
+  if (f.sound_speed) return *f.sound_speed;
+  if (f.gravity > 0.0) return f.sound_factor * std::sqrt(f.gravity * height);
+  const double of_spacing = f.surface_tension / (f.density * o.domain.dx());
+  return std::max(f.sound_factor * std::sqrt(2.0 * f.surface_tension / (f.density * height)),
+                  (f.scheme == "riemann" ? 1.1 : 2.6) * std::sqrt(of_spacing / most_tension(f)));
+}
+
 void find_liquid(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& f = o.flow;
-  if (!f.sound_speed && !(f.gravity > 0.0))
-    schema.fail("flow", "sound_speed", "must be given: without gravity sound_factor says nothing");
-  p.water = {f.density, f.sound_speed ? *f.sound_speed : f.sound_factor * std::sqrt(f.gravity * p.height), f.exponent};
+  if (!f.sound_speed && !(f.gravity > 0.0) && !(f.surface_tension > 0.0))
+    schema.fail("flow", "sound_speed", "must be given: without gravity and surface tension sound_factor says nothing");
+  p.water = {f.density, sound_speed_of(o, p.height), f.exponent};
   p.smoothing_length = o.common.kernel.h_over_dx * o.domain.dx();
   const double D = static_cast<double>(o.domain.dimension), h = p.smoothing_length, c = p.water.sound;
   p.kinematic_viscosity = f.viscosity / f.density;
@@ -203,17 +247,13 @@ void find_liquid(const namelist::schema& schema, const options& o, parameters& p
   p.by = scheme::riemann;
 }
 
-// Waves of two spacings, of speed √(σ k/ρ), are no faster than sound. With Riemann problems densities of the outermost
-// particles follow those within so fast that they give way to noise of the curvature, unless sound is faster by far.
 void check_tension(const namelist::schema& schema, const options& o, const parameters& p) {
-  constexpr double most_with_riemann = 0.02;  // measured (docs/theory/water_surface_tension.md)
   const auto& f = o.flow;
   if (!(f.surface_tension > 0.0)) return;
   const auto is_free = [](const auto& m) { return m.free.has_value(); };
   if (std::ranges::any_of(p.motions_in<2>(), is_free) || std::ranges::any_of(p.motions_in<3>(), is_free))
     schema.fail("flow", "surface_tension", "the pull of the surface on a body that moves freely is not calculated");
-  const double most = (p.by == scheme::riemann ? most_with_riemann : 1.0 / std::numbers::pi) * f.density *
-                      p.water.sound * p.water.sound * o.domain.dx();
+  const double most = most_tension(f) * f.density * p.water.sound * p.water.sound * o.domain.dx();
   if (f.surface_tension > most)
     schema.fail("flow", "surface_tension",
                 fmt::format("its shortest waves, of two spacings, would be too fast beside sound: at most {:.4g} N/m "
@@ -253,14 +293,15 @@ bool block::holds(const point& x) const {
 }
 
 void declare(namelist::schema& schema, options& o) {
-  // The lattice sum -sum V F x^2 is 0.997 there, with the kernel's own 1.3 0.974: still water starts nearly balanced.
-  o.common.kernel.h_over_dx = 1.5;
+  // Still water stays on the square lattice with this, and over floors that lie across it (docs/theory/still_water.md).
+  o.common.kernel.h_over_dx = 2.0;
   o.common.kernel.skin = 0.5;
   o.walls.slip = "free_slip";
   domain::declare(schema, demands, o.domain);
   declare_water(schema, o.flow);
   declare_liquid(schema, o.flow);
   declare_blocks_around(schema, o.flow);
+  declare_beach(schema, o.flow);
   declare_gauges(schema, o.gauges);
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true, .bodies = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
@@ -294,6 +335,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   check_wave(schema, o, p);
   check_drop(schema, o, p);
   check_top(schema, o);
+  check_beach(schema, o);
   resolve_gauges(schema, o, p);
   if (o.domain.dimension == 3)
     resolve_bodies<3>(schema, o, p);

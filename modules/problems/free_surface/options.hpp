@@ -9,6 +9,7 @@
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <domain/options.hpp>
 #include <free_surface/liquid.hpp>
@@ -49,6 +50,15 @@ struct flow_options {
   double wavelength = 0.0, amplitude = 0.0;  // m, of a standing wave
   double strain_rate = 0.0;                  // 1/s, of a drop
   bool around_bodies = false;                // blocks of water leave out what bodies cover
+  double beach_rate = 0.0;                   // 1/s; 0: no beach
+  std::optional<double> beach_from = {}, beach_to = {};  // m, along x
+
+  // 1/s, γ: by how much a beach that waves run out on slows the water at x (m). It rises as the square of the way in.
+  double on_beach(double x) const {
+    if (!(beach_rate > 0.0)) return 0.0;
+    const double in = std::clamp((x - *beach_from) / (*beach_to - *beach_from), 0.0, 1.0);
+    return beach_rate * in * in;
+  }
 };
 
 struct gauge_options {

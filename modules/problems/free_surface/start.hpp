@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <foundation/agree.hpp>
 #include <free_surface/exact.hpp>
+#include <free_surface/united.hpp>
 #include <free_surface/water.hpp>
 #include <numbers>
 #include <rigid/start.hpp>
@@ -47,11 +48,11 @@ inline ball drop_of(const parameters& p) {
   return {{middle(0), middle(1), middle(2)}, 0.5 * (b.high[0] - b.low[0])};
 }
 
-// kg/m3: of water that its own weight compresses, and of the drop's pressure, which ∇²p = -ρ ∇v:∇v gives it beyond that
-// of its surface.
-inline double start_density(const options& o, const parameters& p, const point& x) {
+// kg/m3: of water that its own weight compresses, beneath a surface at the height `top` (m), and of the drop's pressure,
+// which ∇²p = -ρ ∇v:∇v gives it beyond that of its surface.
+inline double start_density(const options& o, const parameters& p, const point& x, double top) {
   const auto& f = o.flow;
-  if (f.start != "drop") return p.water.density_beneath(f.gravity * (surface_above(p, x) - x[1]));
+  if (f.start != "drop") return p.water.density_beneath(f.gravity * (top - x[1]));
   const ball c = drop_of(p);
   const bool flat = o.domain.dimension == 2;
   const double of_surface = f.surface_tension * (flat ? 1.0 : 2.0) / c.radius;
@@ -167,12 +168,13 @@ void take_from_file(water<D>& f) {
 
 // The blocks' particles: their density, mass and velocity.
 template <int D>
-void start_blocks(water<D>& f, cut_by_regions<D>& cut) {
+void start_blocks(water<D>& f, cut_by_regions<D>& cut, const united_surface* united) {
   auto& s = f.world.w.s;
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const point x = f.place(i);
-    s.rho[i] = start_density(f.o, f.p, x);
+    const double own = surface_above(f.p, x);
+    s.rho[i] = start_density(f.o, f.p, x, united != nullptr ? united->level(x, own) : own);
     auto v = start_velocity(f.o, f.p, x);
     if (f.p.regions.any()) {
       const auto given = cut.at(x);
@@ -192,15 +194,18 @@ void set_up(water<D>& f) {
   std::optional<ball> drop;
   if (f.o.flow.start == "drop") drop = drop_of(f.p);
   cut_by_regions<D> cut(f);
-  place_blocks(f, [&](const point& x) {
-    return !(drop && drop->distance2(x) >= drop->radius * drop->radius) &&
-           !(f.has_bodies && f.solid.solid(of_solids<D>(x))) && cut.leaves(x);
-  });
+  const auto is_solid = [&](const point& x) { return f.has_bodies && f.solid.solid(of_solids<D>(x)); };
+  const auto is_water = [&](const point& x) {
+    return !(drop && drop->distance2(x) >= drop->radius * drop->radius) && !is_solid(x) && cut.leaves(x);
+  };
+  place_blocks(f, is_water);
+  std::optional<united_surface> united;
+  if (touch_sideways(f.o, f.p)) united.emplace(f.o, f.p, is_water, is_solid);
   f.world.w.g[1] = -f.gravity();
   f.two_velocities = f.world.walls.bodies.no_slip || (f.has_bodies && f.p.by != scheme::riemann) ||
                      std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
   f.viscous_velocity = f.template vector<D>(f.two_velocities, "ViscousVelocity", "m/s");
-  start_blocks(f, cut);
+  start_blocks(f, cut, united ? &*united : nullptr);
   cut.expect_sound();
   if (f.o.common.start.is_read()) take_from_file(f);
 }

@@ -10,9 +10,9 @@
 // Comput. Phys. Commun. 224, 63 (2018)], and nothing where λ is below 0.4: a spray.
 //
 // Water whose particles stand farther apart than its density says, after an impact or in a spray, is no liquid under
-// pressure, and falls together (derived here): where λ is below 0.75 what the density has above ρ0 falls within the
-// time of sound across the support H of the kernel,
-//   dρ_i/dt = -l_i² (c0/H) max(ρ_i - ρ0, 0)
+// pressure, and falls together (derived here): where λ is below 0.75, so that the surface is nearer than the support H
+// of the kernel, what the density has above that of still water at the depth H falls within the time of sound across H,
+//   dρ_i/dt = -l_i² (c0/H) max(ρ_i - ρ(H), 0)
 // Nor does it hold tension, by which drops would stick to walls: what the density lacks of ρ0 there comes back at once,
 // l_i² of it in each step. Both take elastic energy.
 //
@@ -91,11 +91,13 @@ template <int D>
 void slacken(water<D>& f, double dt) {
   if (f.has_tension()) return;
   auto& s = f.world.w.s;
-  const double left = std::exp(-dt * f.p.water.sound / f.world.w.support()), rest = f.o.flow.density;
+  const double support = f.world.w.support(), left = std::exp(-dt * f.p.water.sound / support);
+  const double rest = f.o.flow.density, deep = f.p.water.density_beneath(f.gravity() * support);
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (!(f.eigenvalue[i] < inside)) return;
-    const double l = speed_limiter(f, std::sqrt(f.speed2(i))), beyond = s.rho[i] - rest;
-    s.rho[i] -= l * l * (beyond > 0.0 ? 1.0 - left : 1.0) * beyond;
+    const double l = speed_limiter(f, std::sqrt(f.speed2(i)));
+    const double pressed = (1.0 - left) * std::max(s.rho[i] - deep, 0.0), drawn = std::min(s.rho[i] - rest, 0.0);
+    s.rho[i] -= l * l * (pressed + drawn);
   });
 }
 
