@@ -89,7 +89,7 @@ BOOST_AUTO_TEST_CASE(places_follow_the_cuts) {
 // What a run will need is told before anything is laid out, by places spread over the box: water, wall particles of
 // bodies, images of both.
 BOOST_AUTO_TEST_CASE(numbers_before_the_start) {
-  scene<2> scene(wedge("1.0", "/ &kernel h_over_dx = 1.5"));
+  scene<2> scene(wedge("1.0"));
   const auto told = numbers_at_start(scene.o, scene.p);
   const auto& f = *scene.f;
   const auto all = [&](std::size_t of_rank) {

@@ -60,10 +60,10 @@ struct scene {
   }
 };
 
-// Two metres square, of forty spacings, with a kernel narrower than the program's own.
+// Two metres square, of forty spacings.
 inline std::string tank(const std::string& flow, const std::string& more = "") {
   return "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 " + more + "/ &flow " + flow +
-         " / &kernel h_over_dx = 1.5 / &time t_end = 1.0 /";
+         " / &time t_end = 1.0 /";
 }
 
 // Within [-1, 1], of a particle's number.
