@@ -38,8 +38,8 @@ class start_file {
   std::vector<double> masses() const;      // kg (2-D: kg/m), above 0
   // K. A body that only conducts has a temperature but for a constant, so that it may be below 0.
   std::vector<double> temperatures(bool above_0) const;
-  std::vector<double> energies() const;   // J/kg, internal
-  std::vector<double> pressures() const;  // Pa
+  std::vector<double> energies() const;        // J/kg, internal
+  std::vector<double> pressures() const;       // Pa
   std::vector<double> concentrations() const;  // amount per mass, not below 0
   // Of so many; of one, the file may have none. names: of each; what the file calls otherwise, or has not named, is
   // known by its number, one of `own`, which the problem has by itself.

@@ -88,9 +88,7 @@ wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, c
   const auto may_be_wanted = [&](const point<D>& x) {
     bool near = true;
     for (std::size_t a = 0; a < D; ++a) {
-      const auto holds = [&](double at) {
-        return at >= markers.lower[a] - reach && at < markers.upper[a] + reach;
-      };
+      const auto holds = [&](double at) { return at >= markers.lower[a] - reach && at < markers.upper[a] + reach; };
       near = near && (holds(x[a]) || (box.periodic[a] && (holds(x[a] - box.length[a]) || holds(x[a] + box.length[a]))));
     }
     return near;

@@ -6,7 +6,7 @@ namespace tetsuame::sources {
 
 namespace {
 
-const std::vector<std::string> variables{"x",        "y",        "z",       "t",          "material",
+const std::vector<std::string> variables{"x",        "y",        "z",        "t",       "material",
                                          "length_x", "length_y", "length_z", "spacing", "T"};
 constexpr std::array<const char*, all::number> keys{"force_x", "force_y", "force_z", "heating"};
 
@@ -20,9 +20,10 @@ void declare(namelist::schema& schema, const abilities& of_problem, options& o) 
   o.temperature = of_problem.temperature;
   schema.group(
       "sources",
-      fmt::format("forces and heat from outside: numbers, or expressions of x, y, z (m), t (s), material (0, 1, ..., as "
-                  "in snapshots), {}length_x, length_y, length_z, spacing (m), pi and &constants",
-                  o.temperature ? "T (K), " : ""));
+      fmt::format(
+          "forces and heat from outside: numbers, or expressions of x, y, z (m), t (s), material (0, 1, ..., as "
+          "in snapshots), {}length_x, length_y, length_z, spacing (m), pi and &constants",
+          o.temperature ? "T (K), " : ""));
   for (std::size_t a = 0; a < 3 && of_problem.force; ++a)
     schema.add("sources", keys[a], o.force[a],
                {.unit = "m/s^2",
@@ -66,14 +67,14 @@ bool all::by_temperature() const {
 
 void all::refuse_temperature(const namelist::schema& schema, const std::string& why) const {
   for (std::size_t k = 0; k < number; ++k)
-    if (value_[k] && value_[k]->uses({"T"})) schema.fail("sources", keys[k], "T is found after forces and heat: " + why);
+    if (value_[k] && value_[k]->uses({"T"}))
+      schema.fail("sources", keys[k], "T is found after forces and heat: " + why);
 }
 
 double all::at(std::size_t component, const std::array<double, 3>& x, double material, double temperature,
                double t) const {
   if (!value_[component]) return 0.0;
-  const std::array<double, 10> values{x[0],    x[1],    x[2],    t,        material,
-                                      box_[0], box_[1], box_[2], spacing_, temperature};
+  const std::array<double, 10> values{x[0], x[1], x[2], t, material, box_[0], box_[1], box_[2], spacing_, temperature};
   return value_[component]->at(values);
 }
 

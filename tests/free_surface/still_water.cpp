@@ -121,8 +121,9 @@ BOOST_AUTO_TEST_CASE(blocks_of_one_level) {
 // Two legs of different heights and what joins them beneath a body: the level falls along the passage, from one surface
 // to the other.
 BOOST_AUTO_TEST_CASE(blocks_of_two_levels) {
-  scene<2> scene(tank("low_x = 0, 0.2, 1 high_x = 0.2, 1, 1.2 low_y = 0, 0, 0 high_y = 1, 0.2, 0.6 / &solids shape = "
-                      "'box' centre_x = 0.6 centre_y = 1.1 length_x = 0.8 length_y = 1.8"));
+  scene<2> scene(
+      tank("low_x = 0, 0.2, 1 high_x = 0.2, 1, 1.2 low_y = 0, 0, 0 high_y = 1, 0.2, 0.6 / &solids shape = "
+           "'box' centre_x = 0.6 centre_y = 1.1 length_x = 0.8 length_y = 1.8"));
   const auto found = levels(scene);
   const auto& s = scene.particles();
   std::map<double, double> along_floor;  // by place

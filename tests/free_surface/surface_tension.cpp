@@ -91,7 +91,8 @@ BOOST_AUTO_TEST_CASE(laplace_pressure_of_a_ball) {
       "&domain dimension = 3 length_x = 2.0 length_y = 2.0 length_z = 2.0 particles_x = 26 particles_y = 26 "
       "particles_z = 26 / &flow start = 'drop' low_x = 0.230769230769230769 high_x = 1.769230769230769231 "
       "low_y = 0.230769230769230769 high_y = 1.769230769230769231 low_z = 0.230769230769230769 "
-      "high_z = 1.769230769230769231 gravity = 0.0 sound_speed = 20.0 surface_tension = 0.5 / &kernel h_over_dx = 1.5 / "
+      "high_z = 1.769230769230769231 gravity = 0.0 sound_speed = 20.0 surface_tension = 0.5 / &kernel h_over_dx = 1.5 "
+      "/ "
       "&time t_end = 1.0 /");
   scene.rates();
   const auto& s = scene.particles();

@@ -52,8 +52,8 @@ derivatives<D> differentiate(const run::state<D>& scene, const std::function<dou
   out.gradient.fill(particles::array(s.fluid));
   out.laplacian.resize(s.fluid);
   bool singular = false;
-  operators::consistent<D, 1, true, ~0U, skewed> term{{value.data()}, {P.data()}, {}, std::pow(scene.w.dx, D), beta,
-                                                      {},             &singular};
+  operators::consistent<D, 1, true, ~0U, skewed> term{{value.data()}, {P.data()}, {},       std::pow(scene.w.dx, D),
+                                                      beta,           {},         &singular};
   for (std::size_t a = 0; a < D; ++a) term.out.gradient[0][a] = out.gradient[a].data();
   for (std::size_t k = 0; k < S; ++k) {
     term.B[k] = whole_tensor ? B[k].data() : nullptr;
@@ -138,7 +138,8 @@ BOOST_AUTO_TEST_CASE(single_precision) {
   BOOST_TEST(of_laplacian < 2e-3);
 }
 
-// Skewed: neighbourhoods need not be symmetric. Without, what is left of a Laplacian of 7 is second order in the jitter.
+// Skewed: neighbourhoods need not be symmetric. Without, what is left of a Laplacian of 7 is second order in the
+// jitter.
 BOOST_AUTO_TEST_CASE(quadratic_fields_on_any_particles) {
   const std::function<double(std::array<double, 2>)> flat = [](auto x) {
     return 1.0 + 2.0 * x[0] - x[1] + 3.0 * x[0] * x[0] - 2.0 * x[0] * x[1] + 0.5 * x[1] * x[1];

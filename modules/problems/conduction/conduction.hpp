@@ -207,7 +207,8 @@ class problem : public run::particle_simulation<D> {
            .accumulates = {s.T}},
           [this, &s](const auto& rows) {
             bool singular = false;
-            operators::consistent<D, 1, true, ~0U, true> term{{s.T.data()}, {plain_.data()}, {}, volume_, beta_, {}, &singular};
+            operators::consistent<D, 1, true, ~0U, true> term{{s.T.data()}, {plain_.data()}, {}, volume_, beta_,
+                                                              {},           &singular};
             term.B = B_.read();
             term.out.next_B = next_B_.data();
             term.out.gradient[0] = gradient_.data();

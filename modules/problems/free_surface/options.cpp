@@ -293,8 +293,8 @@ bool block::holds(const point& x) const {
 }
 
 void declare(namelist::schema& schema, options& o) {
-  // The lattice sum -sum V F x^2 is 0.997 there, with the kernel's own 1.3 0.974: still water starts nearly balanced. Over
-  // floors that lie across the lattice it stays with 2 (docs/theory/still_water.md).
+  // The lattice sum -sum V F x^2 is 0.997 there, with the kernel's own 1.3 0.974: still water starts nearly balanced.
+  // Over floors that lie across the lattice it stays with 2 (docs/theory/still_water.md).
   o.common.kernel.h_over_dx = 1.5;
   o.common.kernel.skin = 0.5;
   o.walls.slip = "free_slip";

@@ -41,16 +41,16 @@ struct flow_options {
   double gravity = 9.81;                         // m/s2, towards -y
   double density = 1000.0;                       // kg/m3, at zero pressure
   std::int64_t exponent = 7;
-  double sound_factor = 10.0;                // of sqrt(g H)
-  std::optional<double> sound_speed = {};    // m/s
-  double viscosity = 0.0;                    // Pa s
-  double alpha = 0.02, delta = 0.1;          // of artificial viscosity, of the density's diffusion
-  double shifting = 2.0;                     // 0: none
-  double surface_tension = 0.0;              // N/m, of the free surface
-  double wavelength = 0.0, amplitude = 0.0;  // m, of a standing wave
-  double strain_rate = 0.0;                  // 1/s, of a drop
-  bool around_bodies = false;                // blocks of water leave out what bodies cover
-  double beach_rate = 0.0;                   // 1/s; 0: no beach
+  double sound_factor = 10.0;                            // of sqrt(g H)
+  std::optional<double> sound_speed = {};                // m/s
+  double viscosity = 0.0;                                // Pa s
+  double alpha = 0.02, delta = 0.1;                      // of artificial viscosity, of the density's diffusion
+  double shifting = 2.0;                                 // 0: none
+  double surface_tension = 0.0;                          // N/m, of the free surface
+  double wavelength = 0.0, amplitude = 0.0;              // m, of a standing wave
+  double strain_rate = 0.0;                              // 1/s, of a drop
+  bool around_bodies = false;                            // blocks of water leave out what bodies cover
+  double beach_rate = 0.0;                               // 1/s; 0: no beach
   std::optional<double> beach_from = {}, beach_to = {};  // m, along x
 
   // 1/s, γ: by how much a beach that waves run out on slows the water at x (m). It rises as the square of the way in.

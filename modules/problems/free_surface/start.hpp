@@ -48,8 +48,8 @@ inline ball drop_of(const parameters& p) {
   return {{middle(0), middle(1), middle(2)}, 0.5 * (b.high[0] - b.low[0])};
 }
 
-// kg/m3: of water that its own weight compresses, beneath a surface at the height `top` (m), and of the drop's pressure,
-// which ∇²p = -ρ ∇v:∇v gives it beyond that of its surface.
+// kg/m3: of water that its own weight compresses, beneath a surface at the height `top` (m), and of the drop's
+// pressure, which ∇²p = -ρ ∇v:∇v gives it beyond that of its surface.
 inline double start_density(const options& o, const parameters& p, const point& x, double top) {
   const auto& f = o.flow;
   if (f.start != "drop") return p.water.density_beneath(f.gravity * (top - x[1]));

@@ -45,8 +45,7 @@ bool touch_sideways(const options& o, const parameters& p) {
 united_surface::united_surface(const options& o, const parameters& p, const is_there& is_water,
                                const is_there& is_solid)
     : axes_(o.domain.axes()), periodic_(o.domain.periodic), dx_(o.domain.dx()), number_{1, 1, 1} {
-  for (std::size_t a = 0; a < axes_; ++a)
-    number_[a] = static_cast<std::size_t>(std::llround(o.domain.length[a] / dx_));
+  for (std::size_t a = 0; a < axes_; ++a) number_[a] = static_cast<std::size_t>(std::llround(o.domain.length[a] / dx_));
   number_cells([&](const point& x) {
     return std::ranges::any_of(p.blocks, [&](const block& b) { return b.holds(x); }) && is_water(x);
   });

@@ -45,7 +45,7 @@ class united_surface {
 
   std::size_t axes_;
   std::array<bool, 3> periodic_;
-  double dx_;                         // m
+  double dx_;                          // m
   std::array<std::size_t, 3> number_;  // of cells of the box's lattice
   std::vector<std::uint32_t> cell_;    // at a place of the lattice: which of those with water, or none
   std::vector<double> Y_;              // m, of cells with water

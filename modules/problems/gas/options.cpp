@@ -43,7 +43,8 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "weight", s.weight,
              {.choices = {"energy", "volume", "power"},
               .meaning = "disph, gdisph, what is smoothed: m u; or the volume at the start, for any equation of state, "
-                         "with densities as given at the start; or p^exponent times the volume, for an ideal gas in one dimension with "
+                         "with densities as given at the start; or p^exponent times the volume, for an ideal gas in "
+                         "one dimension with "
                          "strong shocks"});
   schema.add("shock", "exponent", s.exponent,
              for_expert(between(0.01, 1.0, "weight = 'power': of the pressure; 1: the weight is that of 'energy'")));

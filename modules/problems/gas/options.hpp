@@ -31,7 +31,7 @@ struct shock_options {
   std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
   std::string weight = "energy", support_terms = "number";
   double exponent = 0.1;  // of the pressure in the weight
-  double fading = 20.0;  // of the terms of varying supports
+  double fading = 20.0;   // of the terms of varying supports
   side_options l{1.0, 0.0, 1.0}, r{0.125, 0.0, 0.1};
   double gamma = 1.4;
   std::int64_t coarser = 0;                   // runs at 1/2, 1/4, … of the resolution before this one

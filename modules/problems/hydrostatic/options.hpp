@@ -1,5 +1,5 @@
-// The input of a box at rest: &domain, &initial, &gravity, &region, &sources, &constants, &material, &walls, &smoothing,
-// &hosono, and the groups that all programs have (run/options.hpp).
+// The input of a box at rest: &domain, &initial, &gravity, &region, &sources, &constants, &material, &walls,
+// &smoothing, &hosono, and the groups that all programs have (run/options.hpp).
 #pragma once
 
 #include <eos/eos.hpp>

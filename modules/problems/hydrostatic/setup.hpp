@@ -51,7 +51,8 @@ std::array<double, D> displacement(const scene<D>& scene, std::size_t i) {
   return d;
 }
 
-// Temperatures and velocities of &region. What is warmer is lighter: densities are those at the pressure of the profile.
+// Temperatures and velocities of &region. What is warmer is lighter: densities are those at the pressure of the
+// profile.
 template <int D>
 void change_regions(const options& o, scene<D>& scene) {
   auto& w = scene.w;

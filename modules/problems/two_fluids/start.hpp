@@ -243,13 +243,12 @@ void take_from_file(fluids<D>& f) {
   const auto volume = [&](std::size_t n) {
     return f.o.masses == "equal_mass" ? f.p.layers[n].volume : std::pow(w.dx, D);
   };
-  const auto read = run::start_from_file(
-      f.o.common.start,
-      {.materials = f.o.names(),
-       .pressures = {std::min(top, floor), std::max(top, floor)},
-       .volume = volume,
-       .concentration = f.dissolved ? &f.element : nullptr},
-      f.world);
+  const auto read = run::start_from_file(f.o.common.start,
+                                         {.materials = f.o.names(),
+                                          .pressures = {std::min(top, floor), std::max(top, floor)},
+                                          .volume = volume,
+                                          .concentration = f.dissolved ? &f.element : nullptr},
+                                         f.world);
   expect_all_materials(f, f.o.common.start.place + f.o.common.start.file);
   if (read.laid_anew) f.placed = f.world.fluid_total;
   for (std::size_t i = 0; i < s.fluid; ++i) {
