@@ -217,8 +217,8 @@ double most_tension(const flow_options& f) {
   return f.scheme == "riemann" ? most_with_riemann : 1.0 / std::numbers::pi;
 }
 
-// m/s: by the water's weight; without gravity by its surface tension, as fast beside a drop's swinging, and so much
-// faster than the slowest that goes with it that the drop loses what it should (docs/theory/water_surface_tension.md).
+// m/s: by the water's weight; without gravity by its surface tension, as fast beside a drop's swinging, and some
+// way above the slowest that goes with it. What a drop then loses: docs/theory/water_surface_tension.md.
 double sound_speed_of(const options& o, double height) {
   const auto& f = o.flow;
   if (f.sound_speed) return *f.sound_speed;
