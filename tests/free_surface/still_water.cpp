@@ -134,6 +134,7 @@ BOOST_AUTO_TEST_CASE(blocks_of_two_levels) {
     if (x < 0.2 && y > 0.95) BOOST_TEST(found[i] == 1.0, tt::tolerance(0.02));
     if (x > 1.0 && y > 0.55) BOOST_TEST(found[i] == 0.6, tt::tolerance(0.04));
   }
+  if (scene.f->world.w.d.ranks.size > 1) return;  // each has a part of the floor
   BOOST_TEST(along_floor.size() == 16U);
   for (auto before = along_floor.begin(), after = std::next(before); after != along_floor.end(); ++before, ++after)
     BOOST_TEST(after->second < before->second);
