@@ -7,15 +7,18 @@
 
 namespace tetsuame::regions {
 
-// Collective. give(i, values) for each of this rank's n places: place_of(i), and T_of(i), K, before. What fails on one
-// rank fails on all.
-template <class PlaceOf, class TOf, class Give>
-void apply(const domain::communicator& ranks, const all& regions, std::size_t n, const PlaceOf& place_of,
-           const TOf& T_of, const Give& give) {
+// Collective. give(i, values) for each of this rank's fluid particles, whose temperatures are those before. What fails
+// on one rank fails on all.
+template <class Particles, class Give>
+void apply(const domain::communicator& ranks, const all& regions, const Particles& s, const Give& give) {
   std::vector<std::int64_t> counts(regions.size(), 0);
   std::string fault;
   try {
-    for (std::size_t i = 0; i < n; ++i) give(i, regions.at(place_of(i), T_of(i), counts));
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      place x{};
+      for (std::size_t a = 0; a < s.x.size(); ++a) x[a] = s.x[a][i];
+      give(i, regions.at(x, s.T[i], counts));
+    }
   } catch (const foundation::error& e) {
     fault = e.what();
   }

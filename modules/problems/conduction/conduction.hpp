@@ -133,14 +133,8 @@ class problem : public run::particle_simulation<D> {
   }
   void warm_regions() {
     auto& s = world_.w.s;
-    const auto at = [&](std::size_t i) {
-      regions::place x{};
-      for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
-      return x;
-    };
-    regions::apply(
-        ranks, o_.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
-        [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
+    regions::apply(ranks, o_.regions, s,
+                   [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
   }
 
   struct error_measures {

@@ -231,14 +231,8 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
 template <int D>
 void warm_regions(convection_state<D>& state) {
   auto& s = state.fluid();
-  const auto at = [&](std::size_t i) {
-    regions::place x{};
-    for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
-    return x;
-  };
-  regions::apply(
-      state.ranks(), state.layer.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
-      [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
+  regions::apply(state.ranks(), state.layer.regions, s,
+                 [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
 }
 
 // Of a file with another number of particles than the lattice: they share the box.

@@ -58,20 +58,13 @@ void change_regions(const options& o, scene<D>& scene) {
   auto& w = scene.w;
   auto& s = w.s;
   if (!o.regions.any()) return;
-  const auto at = [&](std::size_t i) {
-    regions::place x{};
-    for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
-    return x;
-  };
-  regions::apply(
-      w.d.ranks, o.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
-      [&](std::size_t i, const regions::values& v) {
-        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v.velocity[a].value_or(0.0);
-        if (!v.temperature) return;
-        s.T[i] = *v.temperature;
-        s.rho[i] = eos::density(w.materials[0], scene.p_exact[start_place(scene, s.id[i])[1]], s.T[i]);
-        s.m[i] = s.rho[i] * std::pow(w.dx, D);
-      });
+  regions::apply(w.d.ranks, o.regions, s, [&](std::size_t i, const regions::values& v) {
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v.velocity[a].value_or(s.v[a][i]);
+    if (!v.temperature) return;
+    s.T[i] = *v.temperature;
+    s.rho[i] = eos::density(w.materials[0], scene.p_exact[start_place(scene, s.id[i])[1]], s.T[i]);
+    s.m[i] = s.rho[i] * std::pow(w.dx, D);
+  });
 }
 
 // The fluid, which stands on the start lattice: masses m = ρ Δx^D of the exact profile at its rows, so that jitter

@@ -142,22 +142,15 @@ void shape_by_regions(fluids<D>& f) {
   auto& s = f.world.w.s;
   std::vector<asked_for> asked(s.fluid);
   std::vector<std::size_t> row_of(s.fluid);
-  const auto at = [&](std::size_t i) {
-    regions::place x{};
-    for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
-    return x;
-  };
-  regions::apply(
-      f.ranks(), f.p.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
-      [&](std::size_t i, const regions::values& v) {
-        row_of[i] = static_cast<std::size_t>(s.x[1][i] / f.world.w.dx);
-        asked[i] = {v.temperature, v.density, v.pressure};
-        if (v.material) s.material[i] = *v.material;
-        if (f.enthalpy && !v.temperature)
-          asked[i].temperature = v.material ? f.p.temperature[static_cast<std::size_t>(*v.material)] : s.T[i];
-        for (std::size_t a = 0; a < D; ++a)
-          if (v.velocity[a]) s.v[a][i] = *v.velocity[a];
-      });
+  regions::apply(f.ranks(), f.p.regions, s, [&](std::size_t i, const regions::values& v) {
+    row_of[i] = static_cast<std::size_t>(s.x[1][i] / f.world.w.dx);
+    asked[i] = {v.temperature, v.density, v.pressure};
+    if (v.material) s.material[i] = *v.material;
+    if (f.enthalpy && !v.temperature)
+      asked[i].temperature = v.material ? f.p.temperature[static_cast<std::size_t>(*v.material)] : s.T[i];
+    for (std::size_t a = 0; a < D; ++a)
+      if (v.velocity[a]) s.v[a][i] = *v.velocity[a];
+  });
   expect_all_materials(f, "&region");
   const auto curves = curves_of_rows(f);
   const auto rows = weighed_rows(f, curves, row_of, asked);
