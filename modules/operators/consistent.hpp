@@ -200,17 +200,25 @@ struct consistent {
       }
   }
 
+  // δ_ab, and how often a component stands in the whole tensor.
+  struct unit_tensor {
+    std::array<real, S> delta;
+    std::array<double, S> weight;
+
+    unit_tensor() {
+      std::size_t n = 0;
+      for (std::size_t p = 0; p < D; ++p)
+        for (std::size_t q = p; q < D; ++q, ++n) {
+          delta[n] = p == q ? 1.0 : 0.0;
+          weight[n] = p == q ? 1.0 : 2.0;
+        }
+    }
+  };
+
   // -Σ V F r_a r_b (eᵀB e) = δ_ab. Where it cannot be solved the unit tensor stays.
   void next_tensor(const pairs::cluster<real>& i, const me<real>& a) const {
+    const auto [b, weight] = unit_tensor();
     std::array<std::array<real, S>, S> A;
-    std::array<real, S> b;
-    std::array<double, S> weight;
-    std::size_t n = 0;
-    for (std::size_t p = 0; p < D; ++p)
-      for (std::size_t q = p; q < D; ++q, ++n) {
-        b[n] = p == q ? 1.0 : 0.0;
-        weight[n] = p == q ? 1.0 : 2.0;
-      }
     // Rows of off-diagonal components are doubled, which makes the matrix symmetric.
     for (std::size_t k = 0; k < S; ++k)
       for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * a.Q[l][k];
@@ -222,22 +230,15 @@ struct consistent {
   // The same with N. Not symmetric; next to the symmetric matrix, so that elimination needs no pivots.
   void next_skewed_tensor(const pairs::cluster<real>& i, const me<real>& a,
                           const std::array<std::array<real, D>, S>& N) const {
+    const auto [unit, weight] = unit_tensor();
     std::array<std::array<real, S>, S> A;
-    std::array<real, S> b;
-    std::array<double, S> weight;
-    std::size_t n = 0;
-    for (std::size_t p = 0; p < D; ++p)
-      for (std::size_t q = p; q < D; ++q, ++n) {
-        b[n] = p == q ? 1.0 : 0.0;
-        weight[n] = p == q ? 1.0 : 2.0;
-      }
     for (std::size_t k = 0; k < S; ++k)
       for (std::size_t l = 0; l < S; ++l) {
         real moment = -V * a.Q[std::min(k, l)][std::max(k, l)];
         for (std::size_t p = 0; p < D; ++p) moment -= N[k][p] * V * a.U[p * S + l];
         A[k][l] = weight[l] * moment;
       }
-    const auto unit = b;
+    auto b = unit;
     const auto solvable = eliminate(A, b);
     for (std::size_t k = 0; k < S; ++k) i.set(out.next_B[k], foundation::select(solvable, b[k], unit[k]));
   }
