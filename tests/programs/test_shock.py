@@ -368,7 +368,7 @@ class Shock(Case):
     def test_wrong_input(self):
         for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),
                                  ("shock.p_r", -1, "p_r"), ("shock.p_infinity_l", 1, "weight"),
-                                 ("shock.gravity", 1, "rayleigh_taylor"), ("shock.middle", 1, "[0.05, 0.95]"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
+                                 ("shock.gravity", 1, "rayleigh_taylor"), ("shock.middle", 1, "[0.05, 0.95]"), ("shock.exponent", 0.2, "weight = 'power'"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
                                  ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov"),
                                  ("shock.test", "'impact'", "equations of state"), ("expert.tillotson_l", "'iron'", "tillotson"),
                                  ("shock.coarser", 5, "400 particles"), ("shock.coarser", 6, "halved")]:

@@ -1,5 +1,5 @@
 // Blocks of water that touch side by side, each with a surface of its own, are one water when they start: p/ρ of an
-// incompressible liquid at the moment in which it is set free (derived here; docs/theory/still_water.md),
+// incompressible liquid at the moment in which it is set free (derived here; docs/theory/united_water.md),
 //   p/ρ = g (Y - y),   ∇²Y = 0,   Y = y on the surface above,   ∂Y/∂n = 0 at walls, bodies, and sides that face the air
 // Y: the height to which the water would rise, the surface's own where all of it is level. By the five or seven
 // differences of the blocks' lattice, exact for a level surface; conjugate gradients otherwise.

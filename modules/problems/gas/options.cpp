@@ -304,6 +304,8 @@ void check_test(const namelist::schema& schema, const options& o) {
     schema.fail("domain", "periodic_y", "the test 'rayleigh_taylor' has walls below and above");
   if (s.weight == "power" && !o.density_independent())
     schema.fail("shock", "weight", "'power' is of the schemes 'disph' and 'gdisph'");
+  if (s.weight != "power" && s.exponent != shock_options{}.exponent)
+    schema.fail("shock", "exponent", "belongs to weight = 'power'");
   if (s.middle != 0.5 && test != "riemann") schema.fail("shock", "middle", "is of the test 'riemann'");
   if (o.terms_fade() && s.scheme != "gdisph")
     schema.fail("shock", "support_terms", "'fading' is of the scheme 'gdisph'");
