@@ -25,17 +25,24 @@
 
 namespace {
 
-constexpr const char* mark = "TETSUAME_MPI_STARTED_AGAIN";  // in the environment of the second start
-char** arguments = nullptr;                                 // of a start that may be tried again; none: MPI has started
-pid_t starts = 0;                                           // this process, not one that Open MPI begins
+constexpr const char* tried = "TETSUAME_MPI_STARTS";  // in the environment: how often MPI could not be started
+constexpr int most_starts = 6;
+char** arguments = nullptr;  // of a start that may be tried again; none: MPI has started
+pid_t starts = 0;            // this process, not one that Open MPI begins
+
+int starts_so_far() {
+  const char* told = std::getenv(tried);
+  return told == nullptr ? 0 : std::atoi(told);
+}
 
 void start_again() {
   if (tetsuame::run::stop_requested() != 0) return;
   std::fputs("MPI could not be started; once more, in a moment\n", stderr);
-  // Not all of those that met at the same time again.
-  const timespec pause{0, 300'000'000 + getpid() % 100 * 5'000'000};
+  // Not all of those that met at the same time again, and later each time.
+  const int failed = starts_so_far() + 1;
+  const timespec pause{(failed - 1) / 2, 300'000'000 + getpid() % 100 * 5'000'000};
   nanosleep(&pause, nullptr);
-  setenv(mark, "1", 1);
+  setenv(tried, std::to_string(failed).c_str(), 1);
   execv("/proc/self/exe", arguments);
 }
 
@@ -65,14 +72,15 @@ using foundation::error;
 using foundation::exit_status;
 
 // MPI_Init. A program without mpirun makes and removes Open MPI's directory of the session in /tmp, as does any other
-// that starts or ends at that moment; the one that loses ends in MPI_Init. It is then started once more.
+// that starts or ends at that moment; the one that loses ends in MPI_Init. It is then started again, a few times at
+// most.
 void start_mpi(int& argc, char**& argv) {
   starts = getpid();
-  if (launched_as() == nullptr && std::getenv(mark) == nullptr) arguments = argv;
+  if (launched_as() == nullptr && starts_so_far() + 1 < most_starts) arguments = argv;
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   arguments = nullptr;
-  unsetenv(mark);
+  unsetenv(tried);
 }
 
 namespace fs = std::filesystem;

@@ -135,8 +135,9 @@ class EveryKey(Rules):
         keys = keys_in(self.call(program, run.directory / "resolved.nml", "--describe").stdout)
         self.assertEqual(len(keys), len(now))
         described = {key.name for key in keys if key.may_change}
-        if label != "f" and not SLOW:  # one declaration, one rule: keys that all programs share are those of the first
-            shared = {(key.name, key.facts) for key in keys_in(self.call(CASES["f"][0], "--describe").stdout)}
+        if not SLOW:  # one declaration, one rule: keys that programs share are tried in the first of them
+            earlier = OF_PROGRAMS[:OF_PROGRAMS.index(label)]
+            shared = {(key.name, key.facts) for other in earlier for key in keys_in(self.call(CASES[other][0], "--describe").stdout)}
             keys = [key for key in keys if (key.name, key.facts) not in shared]
         by_name = 0
         for key in keys:
