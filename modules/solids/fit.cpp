@@ -12,13 +12,10 @@ constexpr double firm = 0.1;        // λ
 constexpr double rounding = 1e-9;
 constexpr double nothing = 1e-6;  // spacings: rows that fit stay on the lattice to the last bit
 
-// g, of a surface with this normal.
+// Whether a surface with this normal runs along the lattice, to 0.08 degrees.
 template <int D>
-double along_lattice(const point<D>& normal) {
-  constexpr double none = 0.95, all = 0.98;  // cosines
-  double most = 0.0;
-  for (const double n : normal.c) most = std::max(most, std::abs(n));
-  return std::clamp((most - none) / (all - none), 0.0, 1.0);
+bool along_lattice(const point<D>& normal) {
+  return std::ranges::any_of(normal.c, [](double n) { return std::abs(n) > 1.0 - 1e-6; });
 }
 
 // Of the distance in radii.
@@ -46,10 +43,8 @@ auto fit<D>::look(const cell& c) -> const cut& {
   of.width = 0.0;
   for (std::size_t a = 0; a < D; ++a) of.width += spacing_ * std::abs(surface.normal[a]);
   if (std::abs(surface.distance) > 0.5 * of.width * (1.0 + rounding)) return of;
-  const double along = along_lattice<D>(surface.normal);
-  of.any = along > 0.0;
+  of.any = along_lattice<D>(surface.normal);
   of.too_few = 0.5 * of.width - surface.distance - (surface.distance < 0.0 ? of.width : 0.0);
-  of.width /= along;
   return of;
 }
 
@@ -59,7 +54,7 @@ point<D> fit<D>::place(const point<D>& x, double deepest) {
   using vector = Eigen::Matrix<double, D, 1>;
   if (!of_.solid(x)) return x;
   const auto surface = of_.at(x, deepest + spacing_);
-  if (!surface.found || !(along_lattice<D>(surface.normal) > 0.0)) return x;
+  if (!surface.found || !along_lattice<D>(surface.normal)) return x;
   const vector n(surface.normal.c.data());
   matrix M = matrix::Zero();
   vector b = vector::Zero();
@@ -83,7 +78,7 @@ point<D> fit<D>::place(const point<D>& x, double deepest) {
     b += (W * of.too_few) * n_c;
   }
   if (!(M.trace() > 0.0)) return x;
-  const vector S = along_lattice<D>(surface.normal) * M.ldlt().solve(b);
+  const vector S = M.ldlt().solve(b);
   if (S.norm() < nothing * spacing_) return x;
   const auto moved = point<D>::of([&](std::size_t a) { return x[a] + S[static_cast<Eigen::Index>(a)]; });
   return of_.solid(moved) ? moved : x;

@@ -6,12 +6,13 @@
 // width along the normal n_c. A displacement S of all places about x moves their outer end by n·S. It is found by least
 // squares about the point of the surface nearest to x (derived here),
 //
-//   Σ_c a_c [n_c n_c^T + λ (1 - n n^T)] S = Σ_c a_c s_c n_c,   a_c = g_c W(|x_c - x_s|)/w_c  where the surface cuts c
+//   Σ_c a_c [n_c n_c^T + λ (1 - n n^T)] S = Σ_c a_c s_c n_c,   a_c = W(|x_c - x_s|)/w_c  where the surface cuts c
 //
-// Rows along a plane come to (k + 1/2) Δx below it. Where a surface is inclined to the lattice, places are too many
-// here and too few there: it stays as it is, by g, of its normal, which falls from 1 to 0 between 11° and 18° and
-// stands before S, too; so water rests on it. Of two planes that meet each has its part; along a surface, where nothing
-// but noise says how to move, λ = 0.1 holds. A place in the corner of a box, about whose foot W finds r <= 2.62 times
+// Rows along a plane come to (k + 1/2) Δx below it. A surface that is inclined to the lattice stays as it is: there the
+// water's lattice goes on into the body, so that still water rests on it, and the surface lies at all offsets. Rows
+// that followed an incline of 2 to 17° would make the pressure beside it wrong by 0.1 to 0.5 of that at the floor. Of
+// two planes that meet each has its part; along a surface, where nothing but noise says how to move, λ = 0.1 holds. A
+// place in the corner of a box, about whose foot W finds r <= 2.62 times
 // as much of its own face as of the other, is short of the latter by q/(1 + q) of |s| <= Δx/2, q = λ (1 + r): 0.133 Δx.
 #pragma once
 
@@ -34,7 +35,7 @@ class fit {
   struct cut {
     bool any;               // the surface goes through the cell, not too inclined
     point<D> at, normal;    // m
-    double width, too_few;  // m: w_c/g_c, s_c
+    double width, too_few;  // m: w_c, s_c
   };
   using cell = std::array<std::int64_t, D>;
   struct hash {

@@ -82,7 +82,7 @@ std::string row_of_boxes(double x, const std::string& motion) {
 std::string balls(double x, double z, const std::string& motion, const char* also) {
   return fmt::format(
       "&domain dimension = 3 length_x = 1.0 length_y = 1.0 length_z = 1.2 particles_x = 10 particles_y = 10 particles_z"
-      " = 12 periodic_x = .true. periodic_z = {} / &kernel h_over_dx = 1.2 skin = 0.3 /"
+      " = 12 periodic_x = .true. periodic_z = {} / &kernel name = 'wendland_c2' h_over_dx = 1.2 skin = 0.3 /"
       "&flow high_y = 0.9 around_bodies = .true. sound_factor = 20.0 viscosity = 3.0 /"
       "&solids body = 'ball', 'ball' shape = 'box', 'sphere' centre_x = {}, {} centre_y = 0.5, 0.5 centre_z = {}, {}"
       " length_x(1) = 0.35 length_y(1) = 0.4 length_z(1) = 0.35 angle_x(1) = 15 angle_z(1) = 20 radius(2) = 0.22 /"

@@ -159,7 +159,7 @@ BOOST_AUTO_TEST_CASE(momentum_in_3d) {
         "&flow low_x = 0.6 high_x = 1.4 low_y = 0.6 high_y = 1.4 low_z = 0.6 high_z = 1.4 gravity = 0.0 sound_speed = "
         "20.0"
         " viscosity = 3.0 around_bodies = .true. /"
-        "&kernel h_over_dx = 1.2 skin = 0.3 /"
+        "&kernel name = 'wendland_c2' h_over_dx = 1.2 skin = 0.3 /"
         "&solids body = 'box' shape = 'sphere' centre_x = 1.0 centre_y = 1.0 centre_z = 1.0 radius = 0.3 /"
         "&motions body = 'box' kind = 'free' density = " +
         density +
@@ -346,7 +346,7 @@ BOOST_AUTO_TEST_CASE(put_back_by_free_bodies) {
         "particles_z = 20 /"
         "&flow low_x = 0.4 high_x = 1.6 low_y = 0.4 high_y = 1.6 low_z = 0.4 high_z = 1.6 gravity = 0.0 sound_speed = "
         "20.0 around_bodies = .true. /"
-        "&kernel h_over_dx = 1.2 skin = 0.3 /"
+        "&kernel name = 'wendland_c2' h_over_dx = 1.2 skin = 0.3 /"
         "&solids body = 'box' shape = 'box' centre_x = 1.0 centre_y = 1.05 centre_z = 0.95 length_x = 0.5 length_y = "
         "0.4"
         " length_z = 0.45 angle_z = 25 angle_x = 10 /"

@@ -137,7 +137,7 @@ double lost_in_walls(const std::string& turn, const Velocity& velocity) {
       "&domain length_x = 1.0 length_y = 1.0 particles_x = 40 particles_y = 40 /"
       "&flow high_y = 0.7 around_bodies = T delta = 0.0 / &walls slip_top = 'free_surface' /"
       "&solids body = 'floor' shape = 'box' centre_x = 0.5 centre_y = -0.4 length_x = 3.0 length_y = 1.233 angle_z = " +
-      turn + " / &time t_end = 1.0 /");
+      turn + " / &kernel name = 'wendland_c2' h_over_dx = 1.5 / &time t_end = 1.0 /");
   auto& s = scene.particles();
   scene.p.kinematic_viscosity = 0.0;
   for (std::size_t i = 0; i < s.fluid; ++i) {

@@ -17,7 +17,7 @@ FREE = "&motions body = 'it' kind = 'free' density = {} /\n&gauges force = 'it' 
 
 DEEP = """&domain dimension = 3 length_x = 0.8 length_y = 0.6 length_z = 0.7 particles_x = 16 particles_y = 12 particles_z = 14
   periodic_x = .true. periodic_z = .true. /
-&kernel h_over_dx = 1.2 skin = 0.3 /
+&kernel name = 'wendland_c2' h_over_dx = 1.2 skin = 0.3 /
 &flow high_y = 0.4 around_bodies = .true. sound_factor = 15.0 /
 &solids body = 'ball', 'ball' shape = 'sphere', 'box' centre_x = {x}, {x} centre_y = 0.4, 0.42 centre_z = {z}, {z}
   radius(1) = 0.16 length_x(2) = 0.25 length_y(2) = 0.2 length_z(2) = 0.25 angle_x(2) = 20 angle_z(2) = 30 /

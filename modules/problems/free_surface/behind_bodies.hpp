@@ -90,7 +90,9 @@ void find_pressed(water<D>& f) {
 // first order in the velocity, as what viscosity takes is not: it counts by 1 - l² with l of speed_limiter(), in full
 // in slow water, and not at all in fast water, whose jets would pay for it. α is beyond what would reverse the
 // velocities of the water about it, with which the sound between a particle and the wall may grow, by no more than that
-// part of the speed along the wall; not at bodies that move, which it throws about.
+// part of the speed along the wall; not at bodies that move, which it throws about, and by l of it where water creeps,
+// slower than a thousandth of sound: of first order in that speed it lets rows at the corner of a body slide by
+// themselves (docs/theory/still_water.md).
 template <int D>
 std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const walls::body_place<D>& of) {
   const auto& w = f.world.w;
@@ -125,7 +127,7 @@ std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const 
   const double l = speed_limiter(f, solids::norm<D>(v_m)), counted = 1.0 - l * l;
   P = p_w * B + counted * (P - p_w * B);
   const double alpha = both > 0.0 ? -(P * A + slight * slight * G * B) / both : 0.0;
-  const double more = b == nullptr ? counted * solids::norm<D>(along) : 0.0;
+  const double more = b == nullptr ? counted * std::min(1.0, 10.0 * l) * solids::norm<D>(along) : 0.0;
   return (along + std::clamp(alpha, least - more, most + more) * n).c;
 }
 

@@ -293,9 +293,9 @@ bool block::holds(const point& x) const {
 }
 
 void declare(namelist::schema& schema, options& o) {
-  // The lattice sum -sum V F x^2 is 0.997 there, with the kernel's own 1.3 0.974: still water starts nearly balanced.
-  // Over floors that lie across the lattice it stays with 2 (docs/theory/still_water.md).
-  o.common.kernel.h_over_dx = 1.5;
+  // On which still water stays, and waves lose the least (docs/theory/still_water.md).
+  o.common.kernel.name = "quintic";
+  o.common.kernel.h_over_dx = 1.25;
   o.common.kernel.skin = 0.5;
   o.walls.slip = "free_slip";
   domain::declare(schema, demands, o.domain);
@@ -310,7 +310,7 @@ void declare(namelist::schema& schema, options& o) {
   sources::declare(schema, {.heating = false, .temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
-                .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"},
+                .kernels = {"quintic", "wendland_c2", "wendland_c4", "wendland_c6"},
                 .diffuses = false,
                 .starts_from_file = true,
                 .settles = true,
