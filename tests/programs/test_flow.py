@@ -175,13 +175,13 @@ class Flow(Case):
         self.assertLess(abs(m["energy_decay"] / m["energy_decay_theory"] - 1), 0.4)
 
     def test_waves_keep_their_energy(self):
-        """On hardly any viscosity, 24 particles deep: 4.4 % of the energy lost a period in the first two; 5.8 % if the surface lost its pressure."""
+        """On hardly any viscosity, 24 particles deep: what is lost of the energy a period in the first two; on Wendland's C2 with 2 dx it is 4.4 %."""
         m = self.summary("standing_wave", {
             "domain.length_x": 1.6, "domain.length_y": 0.96, "domain.particles_x": 40, "domain.particles_y": 24, "flow.high_y": 0.8,
             "flow.wavelength": 1.6, "flow.amplitude": 0.03, "flow.viscosity": 0.1, "time.t_end": 2.2, "output.interval": 0})["metrics"]
         self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.01)
         lost = 1 - math.exp(-(m["energy_decay"] - m["energy_decay_theory"]) * m["period"])
-        self.assertLess(lost, 0.05)
+        self.assertLess(lost, 0.03)
 
     def test_elliptical_drop(self):
         """Ten particles a radius, to the first of the published times; the start's steps at the rim are half a spacing."""
