@@ -48,6 +48,9 @@ void declare(namelist::schema& schema, const abilities& of_problem, options& o);
 inline const std::string& slip_of(const options& o, std::size_t n) {
   return o.sides[n].slip == "inherit" ? o.slip : o.sides[n].slip;
 }
+inline const std::string& thermal_of(const options& o, std::size_t n) {
+  return o.sides[n].thermal == "inherit" ? o.thermal : o.sides[n].thermal;
+}
 inline const std::string& slip_of_bodies(const options& o) {
   return o.slip_of_bodies == "inherit" ? o.slip : o.slip_of_bodies;
 }
@@ -84,7 +87,7 @@ std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
     for (const std::size_t end : {0, 1}) {
       const auto& given = o.sides[2 * axis + end];
       if (given.slip == "free_surface" || box.open[axis][end]) continue;
-      const std::string& thermal = given.thermal == "inherit" ? o.thermal : given.thermal;
+      const std::string& thermal = thermal_of(o, 2 * axis + end);
       side<D> s;
       s.axis = axis;
       s.position = end == 0 ? 0.0 : box.length[axis];

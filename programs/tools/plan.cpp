@@ -106,7 +106,7 @@ void add_relaxation(CLI::App& app, plan::relaxation_question& q) {
   tools::add_settings(app, q.set);
   app.add_flag("--describe", q.describe, "print every group and key that is read, and stop");
   add_positive(app, "--L", q.L, "height (m); the box keeps its shape");
-  add_positive(app, "--dT", q.dT, "bottom less top (K)");
+  add_positive(app, "--dT", q.dT, "bottom less top, or of left and right hot less cold (K)");
   add_positive(app, "--rho", q.rho, "density (kg/m3)");
   add_positive(app, "--kappa", q.kappa, "thermal diffusivity (m2/s)");
   add_positive(app, "--nu", q.nu, "kinematic viscosity (m2/s)");

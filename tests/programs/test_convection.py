@@ -10,7 +10,7 @@ import numpy as np
 
 from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, SLOW, Case, outcome
 
-MANTLE, AIR = "blankenbach_1a", "air_1e4"
+MANTLE, AIR, SIDE = "blankenbach_1a", "air_1e4", "air_from_the_side"
 SHORT = {"time.steps": 60, "output.history_interval": 20}
 
 
@@ -144,6 +144,61 @@ class Convection(Case):
         without, inside = balance(), balance(**{"convection.heating": 1e-15})
         # H L^2/(kappa c_p dT) = 8e-4 of what goes through, 1: kappa 1e-6 m2/s, c_p 1250, L 1e6 m, dT 1000 K
         self.assertAlmostEqual(inside - without, 1e-15 * 1e12 / (1e-6 * 1250 * 1000), delta=1e-4)
+
+    def test_heated_from_a_side(self):
+        """Air in a square, hot at one side and cold at the other: Nu 1.118 at Ra 1e3, 4.519 at 1e5 [de Vahl Davis, Int. J. Numer. Methods Fluids
+        3, 249 (1983)]; at infinite Prandtl number and Ra 1e4 2.27484, v_rms 11.676 (Chebyshev-Newton solution, orders 16 and 22 alike), here hot
+        at the right. Errors fall with the spacing squared: 1.1 % at 16 and Ra 1e4."""
+        mantle = {**size(16), "walls.slip": "no_slip", "walls.thermal_bottom": "adiabatic", "walls.thermal_top": "adiabatic",
+                  "walls.thermal_left": "fixed", "walls.temperature_left": 0, "walls.thermal_right": "fixed", "walls.temperature_right": 1000,
+                  "convection.steady_tolerance": 1e-3}
+        cases = [(SIDE, {**size(16), "convection.rayleigh": 1e3, "time.t_end": 5000}, 1.118, 2.4164, 0.01), (MANTLE, mantle, 2.27484, 11.676, 0.02)]
+        if SLOW:
+            cases.append((SIDE, {**size(32), "convection.rayleigh": 1e5}, 4.519, 29.44, 0.01))
+        for name, settings, nusselt, v_rms, delta in cases:
+            with self.subTest(name, nusselt=nusselt):
+                m = self.run_program("convection", name, settings).summary["metrics"]
+                self.assertTrue(m["steady"])
+                for measured in ("nusselt_left", "nusselt_right", "nusselt_volume"):
+                    self.assertAlmostEqual(m[measured] / nusselt, 1, delta=delta, msg=measured)
+                self.assertAlmostEqual(m["v_rms"] / v_rms, 1, delta=delta)
+                self.assertAlmostEqual(m["nusselt_left"] / m["nusselt_right"], 1, delta=2e-3)
+                self.assertLess(abs(m["heat_imbalance"]), 2e-3)
+                self.assertEqual((m["nusselt_top"], m["nusselt_bottom"]), (0, 0))
+                self.assertNotIn("nusselt_dissipation", m)
+
+    def test_conduction_from_side_to_side(self):
+        """Almost no flow: Nu 1 in boxes of any shape, in three dimensions too; heat is over the width, Ra over the height."""
+        settings = {"convection.rayleigh": 0.01, "domain.length_x": 0.2, "initial.perturbation": 0, "time.steps": 10, "output.interval": 0}
+        for more in ({**size(12), "domain.particles_x": 24}, {**size(8), "domain.particles_x": 16, "domain.dimension": 3, "domain.length_z": 0.15,
+                                                              "domain.particles_z": 12}):
+            m = self.run_program("convection", SIDE, {**settings, **more}).summary["metrics"]
+            self.assertAlmostEqual(m["rayleigh"], 0.01, delta=1e-12)
+            for measured in ("nusselt_left", "nusselt_right", "nusselt_volume"):
+                self.assertAlmostEqual(m[measured], 1, delta=1e-5)
+
+    def test_heat_through_sides_too(self):
+        """Conduction from the bottom, and W/m^2 into the left and out of the right, over k DeltaT/L = 1e-3 W/m^2; of a box twice as wide as high
+        these have half the area of the bottom."""
+        settings = {**size(12), "domain.length_x": 0.2, "domain.particles_x": 24, "initial.perturbation": 0, "walls.thermal_left": "flux", "expert.flux_left": 2e-4, "walls.thermal_right": "flux",
+                    "expert.flux_right": -5e-4, "time.steps": 2}
+        m = self.run_program("convection", AIR, settings).summary["metrics"]
+        self.assertAlmostEqual(m["nusselt_left"], 0.2, delta=1e-12)
+        self.assertAlmostEqual(m["nusselt_right"], 0.5, delta=1e-12)
+        bottom, top = m["nusselt_bottom"], m["nusselt_top"]
+        left = bottom - top + 0.5 * (0.2 - 0.5)
+        self.assertAlmostEqual(m["heat_imbalance"], left / (0.5 * (bottom + top + 0.5 * (0.2 + 0.5))), delta=1e-9)
+
+    def test_heated_from_a_side_ranks_restart(self):
+        self.assert_exact("convection", SIDE, {**size(16), "time.steps": 60}, 25, [(3, 1)])
+
+    def test_heated_from_a_side_refusals(self):
+        for settings, says in [({"walls.temperature_right": 1e-2}, ("temperature_left", "left and right hold 0.01 K both")),
+                               ({"convection.gravity_density": "equation_of_state"}, ("gravity_density", "from side to side"))]:
+            with self.subTest(**settings):
+                result = self.run_program("convection", SIDE, settings, expect=BAD_INPUT)
+                self.assert_says(result, BAD_INPUT, *says)
+                self.assertFalse(result.directory.exists())
 
     def test_lid_in_convection(self):
         """A wall that moves faster than buoyancy makes the flow: slowed sound is faster than it, and the first step, of a layer at rest, is not too

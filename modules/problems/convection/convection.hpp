@@ -1,6 +1,6 @@
 // Thermal convection as the time loop asks for it. state.hpp: what there is; mirror.hpp: walls; pass.hpp: sums;
-// rates.hpp: the equations; evaluation.hpp: these in order; step.hpp: what lags behind; levels.hpp: coarser lattices
-// before; history.hpp: measures.
+// start.hpp: the start; rates.hpp: the equations; evaluation.hpp: these in order; step.hpp: what lags behind;
+// levels.hpp: coarser lattices before; history.hpp: measures.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include <convection/evaluation.hpp>
 #include <convection/history.hpp>
 #include <convection/levels.hpp>
+#include <convection/start.hpp>
 #include <convection/step.hpp>
 #include <output/groups.hpp>
 #include <run/particle_simulation.hpp>
@@ -103,7 +104,7 @@ class problem : public run::particle_simulation<D> {
 
   // ---- measures ---------------------------------------------------------------------------
 
-  std::vector<output::history_column> measured_columns() const override { return history_columns(); }
+  std::vector<output::history_column> measured_columns() const override { return history_columns(measured_); }
   std::vector<double> measure(double t) override { return convection::measure(state_, t, measured_); }
   bool steady() const override {
     const double tolerance = state_.input.convection.steady_tolerance;
@@ -113,7 +114,7 @@ class problem : public run::particle_simulation<D> {
     const double tolerance = coarser_tolerance * state_.input.convection.steady_tolerance;
     if (state_.at_start.level == 0 || !settled(state_, measured_, tolerance)) return {};
     go_to_next_level(state_);
-    measured_.samples = record(measures.size());
+    measured_.samples = record(measured_.names.size());
     return "half the particle spacing";
   }
 
@@ -174,7 +175,7 @@ class problem : public run::particle_simulation<D> {
  private:
   convection_state<D> state_;
   passes::evaluation<D> evaluation_{state_.world};
-  measured measured_;
+  measured measured_{measures_of(state_)};
   bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
 };
 

@@ -32,7 +32,7 @@ eos::material_options material_of(const options& o, const relaxation::fluid_laye
   if (m.name != "linear") return m;
   m.reference_pressure = o.convection.p_top;
   m.reference_density = f.rho;
-  m.reference_temperature = o.temperature_top();
+  m.reference_temperature = o.temperature_cold();
   m.bulk_modulus = f.K;
   m.thermal_expansivity = f.alpha;
   m.heat_capacity = o.physics.material.heat_capacity;
@@ -43,7 +43,7 @@ constexpr int places = 100;  // over the height
 
 // Smallest and largest heat capacity, J/(kg K): it follows the pressure where what rises cools.
 std::pair<double, double> heat_capacities(const options& o, const parameters& p) {
-  const double c_p = o.physics.material.heat_capacity, T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  const double c_p = o.physics.material.heat_capacity, T_top = o.temperature_cold(), T_bottom = o.temperature_hot();
   double least = c_p, most = c_p;
   for (int k = 0; k <= places && o.convection.adiabatic_heating; ++k)
     for (const double T : {T_top, 0.5 * (T_top + T_bottom), T_bottom}) {
@@ -143,7 +143,7 @@ double gravity_density::slope(double y, double T) const { return series(y, T).se
 void resolve_gravity(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& c = o.convection;
   const auto& f = p.fluid;
-  const double c_p = o.physics.material.heat_capacity, T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  const double c_p = o.physics.material.heat_capacity, T_top = o.temperature_cold(), T_bottom = o.temperature_hot();
   p.dissipation_number = f.alpha * f.g * f.L / c_p;
   if (c.gravity_density != "equation_of_state") return;
   if (!(T_top > 0.0))

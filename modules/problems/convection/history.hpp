@@ -20,27 +20,42 @@ inline constexpr double deviation_tolerance = 25.0;
 // A flow is not called steady where heat in and out differ by more of what goes through.
 inline constexpr double largest_imbalance = 0.01;
 
-// The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy and of
-// &sources, whether or not they heat.
-inline constexpr std::array<const char*, 14> measures{"nusselt_volume",
-                                                      "nusselt_top",
-                                                      "nusselt_bottom",
-                                                      "v_rms",
-                                                      "u_max",
-                                                      "v_max",
-                                                      "q1",
-                                                      "q2",
-                                                      "q3",
-                                                      "q4",
-                                                      "nusselt_dissipation",
-                                                      "viscous_heating",
-                                                      "adiabatic_cooling",
-                                                      "buoyancy_work"};
-inline constexpr std::size_t with_uncertainty = 4;  // the first of them
+// Of left, right, back and front (walls::side_names) those that heat passes.
+template <int D>
+std::vector<std::size_t> sides_with_heat(const convection_state<D>& state) {
+  std::vector<std::size_t> all;
+  for (const auto& wall : state.world.walls.sides)
+    if (wall.axis != 1 && (wall.thermal == walls::heat::fixed_temperature || wall.flux != 0.0))
+      all.push_back(2 * wall.axis + (wall.inward < 0.0 ? 1 : 0));
+  return all;
+}
+
+// Nusselt numbers count heat along the axis, or from the hot side to the cold one.
+inline double counted_along(const parameters& layer, std::size_t side) {
+  return side / 2 == layer.heat_axis ? layer.heat_sign : 1.0;
+}
+
+// By friction there is a Nusselt number only where heat goes upwards. Heats of friction, of what rising takes, and work
+// of buoyancy and of &sources, whether or not they heat, are of kappa DeltaT c_p/L² (W/kg).
+template <int D>
+std::vector<std::string> measures_of(const convection_state<D>& state) {
+  std::vector<std::string> all{
+      "nusselt_volume", "nusselt_top", "nusselt_bottom", "v_rms", "u_max", "v_max", "q1", "q2", "q3", "q4"};
+  if (state.layer.heat_axis == 1) all.emplace_back("nusselt_dissipation");
+  all.insert(all.end(), {"viscous_heating", "adiabatic_cooling", "buoyancy_work"});
+  for (const std::size_t n : sides_with_heat(state)) all.push_back(std::string("nusselt_") + walls::side_names[n]);
+  return all;
+}
+// Places among them.
+inline constexpr std::size_t of_nusselt = 0, of_v_rms = 3;
+inline bool has_uncertainty(const std::string& name) {
+  return name == "v_rms" || (name.starts_with("nusselt_") && name != "nusselt_dissipation");
+}
 
 // Of the last line.
 struct measured {
-  record samples{measures.size()};
+  std::vector<std::string> names;
+  record samples{names.size()};
   double v_rms = 0.0;  // m/s
   double mach = 0.0, density_drift = 0.0, momentum = 0.0;
   double outside = 0.0;  // the largest share of particles that the viscosity's table did not cover
@@ -55,9 +70,9 @@ struct measured {
   }
 };
 
-inline std::vector<output::history_column> history_columns() {
+inline std::vector<output::history_column> history_columns(const measured& m) {
   std::vector<output::history_column> all;
-  for (const std::string name : measures) {
+  for (const auto& name : m.names) {
     const bool velocity = name == "v_rms" || name == "u_max" || name == "v_max";
     all.push_back({name, velocity ? "kappa/L" : "1"});
   }
@@ -67,7 +82,8 @@ inline std::vector<output::history_column> history_columns() {
   return all;
 }
 
-// Over the box: T v_y beyond conduction (K m/s), v² (m2/s2), and W/kg of buoyancy, of rising and of friction.
+// Over the box: heat carried beyond conduction, T v (K m/s), v² (m2/s2), and W/kg of buoyancy, of rising and of
+// friction.
 template <int D>
 std::array<double, 5> means_over_box(const convection_state<D>& state) {
   const auto& s = state.fluid();
@@ -79,7 +95,8 @@ std::array<double, 5> means_over_box(const convection_state<D>& state) {
   walls::update_ghosts_and_images(state.world.w, state.world.walls, walls::even({&friction}));
   foundation::for_all(s.total(), [&](std::size_t i) {
     const double y = s.x[1][i], T = s.T[i], rising = s.v[1][i];
-    carried[i] = rising * (T - reference_temperature(layer, y));
+    carried[i] = (layer.heat_axis == 1 ? rising : layer.heat_sign * s.v[layer.heat_axis][i]) *
+                 (T - reference_temperature(layer, y));
     v2[i] = 0.0;
     for (std::size_t a = 0; a < D; ++a) v2[i] += s.v[a][i] * s.v[a][i];
     work[i] = buoyancy(layer, y, T, state.p[i]) * rising;
@@ -132,9 +149,10 @@ std::vector<double> measure(const convection_state<D>& state, double t, measured
   m.mach = fastest_flow(state) / layer.c_eff;
   const auto [carried, v2, work, cooling, friction] = means_over_box(state);
   m.v_rms = std::sqrt(std::max(v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
-  const auto walls =
-      wall_heat(state.world, state.at_start.particles, state.input.domain.length[0], f.L / f.dT, layer.conductivity);
-  std::vector<double> line{1.0 + carried / (unit * f.dT), walls.top, walls.bottom, m.v_rms / unit};
+  const auto walls = wall_heat(state.world, state.at_start.particles, state.input.domain.length,
+                               layer.heat_length / f.dT, layer.conductivity);
+  std::vector<double> line{1.0 + carried / (f.kappa / layer.heat_length * f.dT), walls.nusselt[3], walls.nusselt[2],
+                           m.v_rms / unit};
   for (std::size_t a = 0; a < 2; ++a) {
     double largest = 0.0;
     for (std::size_t i = 0; i < state.fluid().fluid; ++i) largest = std::max(largest, std::abs(state.fluid().v[a][i]));
@@ -142,8 +160,9 @@ std::vector<double> measure(const convection_state<D>& state, double t, measured
   }
   line.insert(line.end(), walls.corners.begin(), walls.corners.end());
   // Where the flow is steady viscosity takes what buoyancy gives, <2 nu e:e> = alpha g <v_y T'>.
-  line.push_back(1.0 + friction / (f.alpha * f.g * unit * f.dT));
+  if (layer.heat_axis == 1) line.push_back(1.0 + friction / (f.alpha * f.g * unit * f.dT));
   for (const double heat : {friction, cooling, work}) line.push_back(heat / heat_unit);
+  for (const std::size_t n : sides_with_heat(state)) line.push_back(counted_along(layer, n) * walls.nusselt[n]);
   m.samples.add(t, line);
   line.insert(line.end(), {m.v_rms, m.mach, m.density_drift});
   return line;
@@ -167,7 +186,7 @@ template <int D>
 bool decided(const convection_state<D>& state, const measured& m, double tolerance, bool beside_a_swing) {
   const double span = window(state, m, beside_a_swing);
   if (!m.samples.full(span) || m.samples.last_time() < state.layer.ramp + span) return false;
-  return std::ranges::all_of(std::array<std::size_t, 2>{0, 3}, [&](std::size_t k) {
+  return std::ranges::all_of(std::array{of_nusselt, of_v_rms}, [&](std::size_t k) {
     if (!beside_a_swing) {
       const auto mean = m.samples.over(k, span);
       return m.samples.settled(k, span, tolerance) &&
@@ -187,22 +206,28 @@ bool settled(const convection_state<D>& state, const measured& m, double toleran
   return known_beside_a_swing(state, m, tolerance) || decided(state, m, tolerance, false);
 }
 
-// Heat that comes in at the bottom or from inside less what leaves at the top, over that which goes through; of means.
-// None where sides let heat through, or where &sources heats.
+// Heat that comes in through walls or from inside less what leaves, over that which goes through; of means, all over
+// the area of a wall of conduction. None where &sources heats.
 template <int D>
 std::optional<double> heat_imbalance(const convection_state<D>& state, const nlohmann::ordered_json& means) {
   if (state.sources.heat()) return {};
-  for (const auto& wall : state.world.walls.sides)
-    if (wall.axis != 1 && (wall.thermal == walls::heat::fixed_temperature || wall.flux != 0.0)) return {};
   const auto& layer = state.layer;
   const auto& f = layer.fluid;
   const auto& c = state.input.convection;
-  double inside = layer.heating * f.L * f.L / (f.kappa * f.dT);
-  if (c.viscous_heating) inside += means["viscous_heating"].template get<double>();
-  if (c.adiabatic_heating) inside -= means["adiabatic_cooling"].template get<double>();
-  const double top = means["nusselt_top"], bottom = means["nusselt_bottom"];
-  const double through = 0.5 * (std::abs(bottom) + std::abs(top));
-  return through != 0.0 ? (bottom + inside - top) / through : 0.0;
+  const auto& length = state.input.domain.length;
+  const double l = layer.heat_length, per_L = l / f.L;
+  double left = layer.heating * l * l / (f.kappa * f.dT), through = 0.0;
+  if (c.viscous_heating) left += per_L * per_L * means["viscous_heating"].template get<double>();
+  if (c.adiabatic_heating) left -= per_L * per_L * means["adiabatic_cooling"].template get<double>();
+  auto sides = sides_with_heat(state);
+  sides.insert(sides.end(), {2, 3});
+  for (const std::size_t n : sides) {
+    const double area = l / length[n / 2];  // over that of a wall which heat is conducted from
+    const double passes = area * means[std::string("nusselt_") + walls::side_names[n]].template get<double>();
+    left += (n % 2 == 0 ? passes : -passes) * counted_along(layer, n);
+    through += 0.5 * std::abs(passes);
+  }
+  return through != 0.0 ? left / through : 0.0;
 }
 
 template <int D>
@@ -212,10 +237,10 @@ void report(const convection_state<D>& state, const measured& m, bool steady, ru
   const auto& f = layer.fluid;
   const bool beside = steady && known_beside_a_swing(state, m, state.input.convection.steady_tolerance);
   const double span = window(state, m, beside);
-  for (std::size_t k = 0; k < measures.size(); ++k) {
+  for (std::size_t k = 0; k < m.names.size(); ++k) {
     const auto a = beside ? m.samples.beside_a_swing(k, span, turnover(state, m)) : m.samples.over(k, span);
-    j[measures[k]] = a.mean;
-    if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = run::or_null(a.uncertainty);
+    j[m.names[k]] = a.mean;
+    if (has_uncertainty(m.names[k])) j[m.names[k] + "_uncertainty"] = run::or_null(a.uncertainty);
   }
   const auto imbalance = heat_imbalance(state, j);
   const bool balanced = !imbalance || std::abs(*imbalance) <= largest_imbalance;

@@ -131,32 +131,40 @@ std::array<double, K> mean_over_box(const run::state<D>& scene, const std::array
   return mean;
 }
 
-// The mean of the inward gradient of temperature at a wall, and those at its ends x = 0 and x = length, times `unit`.
+// Axes along a wall: the first two that are not its own (2-D: the second is none).
+inline std::array<std::size_t, 2> along_wall(std::size_t axis) {
+  return {axis == 0 ? std::size_t{1} : std::size_t{0}, axis == 2 ? std::size_t{1} : std::size_t{2}};
+}
+
+// The mean of the inward gradient of temperature at a wall, and those at its ends along the first of along_wall, times
+// `unit`.
 template <int D>
 std::array<double, 3> wall_gradients(const run::state<D>& scene, const walls::side<D>& wall,
-                                     const std::array<std::int64_t, 3>& n, double length, double unit) {
+                                     const std::array<std::int64_t, 3>& n, const std::array<double, 3>& lengths,
+                                     double unit) {
   const auto& s = scene.w.s;
   const auto& ranks = scene.w.d.ranks;
-  const double dx = scene.w.dx, radius = fit_radius * dx;
+  const auto [first, second] = along_wall(wall.axis);
+  const double dx = scene.w.dx, radius = fit_radius * dx, length = lengths[first];
   std::vector<near_wall> near;
   for (std::size_t i = 0; i < s.total(); ++i) {
-    const double y = wall.distance(s.x[1][i]);
+    const double y = wall.distance(s.x[wall.axis][i]);
     if (y <= 0.0 || y >= radius) continue;
-    near.push_back({y, {s.x[0][i], D == 3 ? s.x[2 % D][i] : 0.0}, s.T[i] - wall.temperature, s.id[i]});
+    near.push_back({y, {s.x[first][i], D == 3 ? s.x[second % D][i] : 0.0}, s.T[i] - wall.temperature, s.id[i]});
   }
   sort(near);
   const auto cell = scene.w.d.cell();
   const auto here = [&](double x, double z) {
     std::array<double, D> place;
-    place[0] = x;
-    place[1] = wall.position + wall.inward * 1e-6 * dx;
-    if (D == 3) place[2 % D] = z;
+    place[first] = x;
+    place[wall.axis] = wall.position + wall.inward * 1e-6 * dx;
+    if (D == 3) place[second % D] = z;
     return scene.w.d.within(cell, place);
   };
   foundation::exact_sum sum;
   std::int64_t places = 0;
-  const std::int64_t depth = D == 3 ? n[2] : 1;
-  for (std::int64_t k = 0; k < n[0]; ++k)
+  const std::int64_t depth = D == 3 ? n[second] : 1;
+  for (std::int64_t k = 0; k < n[first]; ++k)
     for (std::int64_t l = 0; l < depth; ++l) {
       const double x = (static_cast<double>(k) + 0.5) * dx, z = D == 3 ? (static_cast<double>(l) + 0.5) * dx : 0.0;
       ++places;
@@ -171,27 +179,28 @@ std::array<double, 3> wall_gradients(const run::state<D>& scene, const walls::si
 }
 
 struct wall_measures {
-  double top, bottom;
+  std::array<double, 6> nusselt;  // in the order of walls::side_names
   std::array<double, 4> corners;  // top left, top right, bottom right, bottom left
 };
 
-// Heat through top and bottom over that of conduction, and gradients at the corners, for unit = L/ΔT; where the flux of
-// heat is given, which is conducted with `conductivity` (W/(m K)), those that it makes.
+// Heat along each axis through its sides over that of conduction, and gradients at the corners of top and bottom, for
+// unit = ℓ/ΔT, ℓ the way of conduction; where the flux of heat is given, which is conducted with `conductivity` (W/(m
+// K)), those that it makes. A side that is not there has none.
 template <int D>
-wall_measures wall_heat(const run::state<D>& scene, const std::array<std::int64_t, 3>& n, double length, double unit,
-                        double conductivity) {
+wall_measures wall_heat(const run::state<D>& scene, const std::array<std::int64_t, 3>& n,
+                        const std::array<double, 3>& lengths, double unit, double conductivity) {
   wall_measures m{};
   for (const auto& wall : scene.walls.sides) {
-    if (wall.axis != 1) continue;
-    const bool top = wall.inward < 0.0;
+    const bool high = wall.inward < 0.0;
     const double given = -wall.flux / conductivity * unit;
     const auto [mean, left, right] = wall.thermal == walls::heat::fixed_temperature
-                                         ? wall_gradients(scene, wall, n, length, unit)
+                                         ? wall_gradients(scene, wall, n, lengths, unit)
                                          : std::array{given, given, given};
-    const double sign = top ? 1.0 : -1.0;  // heat goes up: T falls from the bottom, rises from the top into the fluid
-    (top ? m.top : m.bottom) = sign * mean;
-    m.corners[top ? 0 : 3] = sign * left;
-    m.corners[top ? 1 : 2] = sign * right;
+    const double sign = high ? 1.0 : -1.0;  // heat goes up: T falls from the bottom, rises from the top into the fluid
+    m.nusselt[2 * wall.axis + (high ? 1 : 0)] = sign * mean;
+    if (wall.axis != 1) continue;
+    m.corners[high ? 0 : 3] = sign * left;
+    m.corners[high ? 1 : 2] = sign * right;
   }
   return m;
 }

@@ -13,7 +13,9 @@ void declare_numbers(namelist::schema& schema, convection_options& o) {
   schema.add(g, "rayleigh", o.rayleigh,
              {.minimum = 0.0,
               .exclusive_minimum = true,
-              .meaning = "overrides the expansivity and keeps the Prandtl number; the viscosity where the expansivity "
+              .meaning = "alpha g DeltaT length_y^3/(kappa nu), DeltaT that of bottom and top or, where these are "
+                         "adiabatic and left and right fixed, of left and right; "
+                         "overrides the expansivity and keeps the Prandtl number; the viscosity where the expansivity "
                          "is not free: heat of friction or of compression, an equation of state, viscosity_law "
                          "'table' or 'melt'"});
   schema.add(g, "prandtl", o.prandtl,
@@ -130,9 +132,13 @@ void declare(namelist::schema& schema, options& o) {
   declare_viscosity(schema, o.convection);
   declare_noise(schema, o.convection);
   schema.group("initial", "start: conduction, at rest, with a disturbance");
-  schema.add("initial", "perturbation", o.initial.perturbation,
-             between(-1.0, 1.0, "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L)"));
-  schema.add("initial", "half_waves", o.initial.half_waves, between(0, 1000, "along x"));
+  schema.add(
+      "initial", "perturbation", o.initial.perturbation,
+      between(-1.0, 1.0,
+              "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L); x and y change places "
+              "where heat goes from left to right"));
+  schema.add("initial", "half_waves", o.initial.half_waves,
+             between(0, 1000, "along x; along y where heat goes from left to right"));
   schema.add("initial", "temperature_noise", o.initial.temperature_noise,
              between(0.0, 1.0,
                      "b of T + b DeltaT r, r of each particle a random number between -1 and 1, by its ID and the "

@@ -72,8 +72,14 @@ struct options {
   walls::options walls;
   run::common_options common;
 
-  double temperature_bottom() const { return walls.sides[2].temperature; }
-  double temperature_top() const { return walls.sides[3].temperature; }
+  // Whether heat comes and goes through left and right alone: they hold temperatures, bottom and top are adiabatic.
+  bool heated_from_a_side() const;
+  // Of the walls between which heat goes, by their numbers in walls::side_names: bottom and top, or of left and right
+  // the hotter and the colder.
+  std::size_t hot_side() const;
+  std::size_t cold_side() const;
+  double temperature_hot() const { return walls.sides[hot_side()].temperature; }    // K
+  double temperature_cold() const { return walls.sides[cold_side()].temperature; }  // K
 };
 
 // What the run computes with, all SI; the slowing is that of the present lattice and viscosity.
@@ -81,7 +87,11 @@ struct parameters {
   regions::all regions;
   sources::all sources;
   relaxation::fluid_layer fluid;
-  double T_bottom;       // K
+  // K: T_ref = T_bottom - dT_reference y/L, which carries no flow; heated from a side the mean of both sides.
+  double T_bottom, dT_reference;
+  // The way of heat: axis, m from wall to wall, +1 or -1 along the axis.
+  std::size_t heat_axis;
+  double heat_length, heat_sign;
   double conductivity;   // W/(m K)
   double heat_capacity;  // J/(kg K), at the top
   double heating;        // K/s, from inside

@@ -148,6 +148,29 @@ void resolve_slowing(options& o, parameters& p) {
   if (!c.pressure_diffusion) c.pressure_diffusion = p.relaxed ? 0.02 : p.steady ? 0.2 : 0.4;
 }
 
+void check_sides(const namelist::schema& schema, const options& o) {
+  if (!o.heated_from_a_side()) return;
+  if (o.temperature_hot() == o.temperature_cold())
+    schema.fail("walls", "temperature_left",
+                fmt::format("left and right hold {} K both: of two sides between which heat goes one must be hotter",
+                            o.temperature_hot()));
+  if (o.convection.gravity_density == "equation_of_state")
+    schema.fail("convection", "gravity_density",
+                "an equation of state is weighed about heat that is conducted from bottom to top: here it goes from "
+                "side to side");
+}
+
+// Heated from a side, what is conducted there drives a flow: T_ref is the mean of both.
+void resolve_way_of_heat(const options& o, parameters& p) {
+  const double hot = o.temperature_hot(), cold = o.temperature_cold();
+  const bool aside = o.heated_from_a_side();
+  p.heat_axis = aside ? 0 : 1;
+  p.heat_length = o.domain.length[p.heat_axis];
+  p.heat_sign = o.hot_side() % 2 == 0 ? 1.0 : -1.0;
+  p.T_bottom = aside ? 0.5 * (hot + cold) : hot;
+  p.dT_reference = aside ? 0.0 : p.fluid.dT;
+}
+
 // Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
 // Nu = 0.25 Ra^(1/3) of free slip, and 12 particles in any case.
 std::int64_t levels_that_resolve(const options& o, const parameters& p) {
@@ -188,6 +211,18 @@ void resolve_levels(const namelist::schema& schema, options& o, const parameters
 
 }  // namespace
 
+bool options::heated_from_a_side() const {
+  const auto is = [&](std::size_t n, const char* wanted) { return walls::thermal_of(walls, n) == wanted; };
+  return !domain.periodic[0] && is(0, "fixed") && is(1, "fixed") && is(2, "adiabatic") && is(3, "adiabatic");
+}
+
+std::size_t options::hot_side() const {
+  if (!heated_from_a_side()) return 2;
+  return walls.sides[0].temperature < walls.sides[1].temperature ? 1 : 0;
+}
+
+std::size_t options::cold_side() const { return heated_from_a_side() ? 1 - hot_side() : 3; }
+
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
   auto n = o.domain.particles;
   for (auto& along : n) along >>= level;
@@ -218,11 +253,12 @@ parameters resolve(const namelist::schema& schema, options& o) {
   domain::resolve(schema, demands, o.domain);
   const auto& c = o.convection;
   parameters p{};
-  p.fluid = relaxation::layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
-  const auto& material = o.physics.material = consistent_material(o, o.temperature_bottom() - o.temperature_top());
+  check_sides(schema, o);
+  p.fluid = relaxation::layer(schema, o.physics, o.domain.length[1], o.temperature_hot(), o.temperature_cold());
+  const auto& material = o.physics.material = consistent_material(o, o.temperature_hot() - o.temperature_cold());
   p.fluid.nu = material.viscosity / material.density;
   p.fluid.alpha = material.expansivity;
-  p.T_bottom = o.temperature_bottom();
+  resolve_way_of_heat(o, p);
   p.conductivity = material.conductivity;
   p.heat_capacity = material.heat_capacity;
   p.heating = c.heating * p.fluid.kappa / p.conductivity * p.fluid.rho;

@@ -16,10 +16,11 @@ namespace tetsuame::convection {
 
 // What a particle's place and state say alone: temperature of conduction, buoyancy, viscosity, inertia.
 
-// K, the conductive profile; y: m above the bottom. Numbers are doubles, or several in lanes.
+// K, what carries no flow: the conductive profile, or heated from a side a constant; y: m above the bottom. Numbers are
+// doubles, or several in lanes.
 template <class R>
 R reference_temperature(const parameters& layer, const R& y) {
-  return layer.T_bottom - layer.fluid.dT * y / layer.fluid.L;
+  return layer.T_bottom - layer.dT_reference * y / layer.fluid.L;
 }
 
 // b = α g (T - T_ref) - g q p/K₀, m/s2 upwards, or by an equation of state; q: 0, 1 (separated gravity density [S1
@@ -189,12 +190,6 @@ inline bool keeps_rate(const options& o) { return o.common.time.method == "ab2";
 // middle of the step they keep their second order (docs/theory/convection.md).
 inline bool extrapolates(const options& o) { return o.common.time.method == "rkl2" || o.common.time.method == "rkc2"; }
 
-// Of the difference in temperature, of the particle of that ID.
-inline double random_temperature(const initial_options& o, std::int64_t id) {
-  if (o.temperature_noise == 0.0) return 0.0;
-  return o.temperature_noise * run::random_of_particle(id, o.noise_seed).between_minus_1_and_1();
-}
-
 template <int D>
 convection_state<D>::convection_state(const options& o, const parameters& p_of_input)
     : input(o),
@@ -213,26 +208,12 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
     own_viscosity = &particles::declare(s, "OwnViscosity", "m^2/s", particles::role::derived);
   }
   lay(*this, o.convection.levels);
-  const auto& length = o.domain.length;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    s.T[i] = reference_temperature(layer, s.x[1][i]) +
-             o.initial.perturbation * layer.fluid.dT *
-                 std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / length[0]) *
-                 std::sin(std::numbers::pi * s.x[1][i] / length[1]) +
-             random_temperature(o.initial, s.id[i]) * layer.fluid.dT;
+  for (std::size_t i = 0; i < s.fluid; ++i) s.T[i] = start_temperature(*this, i);
   if (layer.regions.any()) warm_regions(*this);
   if (!o.common.start.is_read()) return;
   run::start_from_file(o.common.start, {.motion = false}, world);
   forget(*this);
   share_volume(*this);
-}
-
-// Collective. Temperatures of &region.
-template <int D>
-void warm_regions(convection_state<D>& state) {
-  auto& s = state.fluid();
-  regions::apply(state.ranks(), state.layer.regions, s,
-                 [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
 }
 
 // Of a file with another number of particles than the lattice: they share the box.

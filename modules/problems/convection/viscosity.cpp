@@ -121,7 +121,7 @@ viscosity_table by_melt(const options& o, const parameters& p) {
   const auto& c = o.convection;
   const auto kind =
       c.composition == "chondritic" ? melting::composition::chondritic : melting::composition::peridotitic;
-  const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  const double T_top = o.temperature_cold(), T_bottom = o.temperature_hot();
   const double beyond = 0.1 * std::abs(T_bottom - T_top);
   const double coldest = std::max(std::min(T_top, T_bottom) - beyond, 1.0),
                hottest = std::max(T_top, T_bottom) + beyond;
@@ -139,7 +139,7 @@ viscosity_table from_file(const namelist::schema& schema, const options& o, doub
   if (c.viscosity_file.empty())
     schema.fail("convection", "viscosity_file", "viscosity_law = 'table' needs the name of its file");
   auto table = schema.placed("convection", "viscosity_file", [&] { return viscosity_table::read(c.viscosity_file); });
-  for (const double T : {o.temperature_top(), o.temperature_bottom()})
+  for (const double T : {o.temperature_cold(), o.temperature_hot()})
     for (const double depth : {0.0, L})
       if (!table.covers(T, depth))
         schema.fail("convection", "viscosity_file",
@@ -176,7 +176,7 @@ void follow_table(const options& o, parameters& p) {
   const auto& c = o.convection;
   auto& f = p.fluid;
   auto& law = p.law;
-  const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  const double T_top = o.temperature_cold(), T_bottom = o.temperature_hot();
   law.log_reference = law.table->log(T_top, 0.0);
   const bool scaled = c.rayleigh || c.prandtl;
   if (!scaled) f.nu = std::exp(law.log_reference) / f.rho;
@@ -205,11 +205,11 @@ void resolve_viscosity(const namelist::schema& schema, options& o, parameters& p
   const bool table = c.viscosity_law == "table", melt = c.viscosity_law == "melt";
   law = {};
   law.varies = c.viscosity_law != "constant";
-  law.T_top = o.temperature_top();
+  law.T_top = o.temperature_cold();
   law.dT = p.fluid.dT;
   law.L = p.fluid.L;
   if (!table && !melt) return follow_exponents(schema, c, law);
-  if (melt && !(std::min(o.temperature_top(), o.temperature_bottom()) > 0.0))
+  if (melt && !(std::min(o.temperature_cold(), o.temperature_hot()) > 0.0))
     schema.fail("convection", "viscosity_law", "'melt' needs absolute temperatures: those of top and bottom above 0 K");
   if (c.viscosity_max < c.viscosity_min) schema.fail("convection", "viscosity_max", "is below viscosity_min");
   law.table = std::make_shared<viscosity_table>(

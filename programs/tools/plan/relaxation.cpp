@@ -48,7 +48,7 @@ void apply(const relaxation_question& q, convection::options& o) {
   if (q.alpha) m.expansivity = *q.alpha;
   if (q.K) m.bulk_modulus = *q.K;
   if (q.g) o.physics.g = *q.g;
-  if (q.dT) o.walls.sides[2].temperature = o.temperature_top() + *q.dT;
+  if (q.dT) o.walls.sides[o.hot_side()].temperature = o.temperature_cold() + *q.dT;
   if (q.L)
     for (const std::size_t a : {0, 2, 1}) d.length[a] *= *q.L / d.length[1];  // the height last: it scales the others
   if (q.n)
@@ -58,7 +58,7 @@ void apply(const relaxation_question& q, convection::options& o) {
 
 void say_numbers(const fluid_layer& f, const relaxation::material_options& m, answer& a) {
   a.add("Given", {{"L", "/given/L_m", f.L, "m", "height of the box"},
-                  {"DeltaT", "/given/dT_K", f.dT, "K", "bottom less top"},
+                  {"DeltaT", "/given/dT_K", f.dT, "K", "of the walls between which heat goes"},
                   {"rho_0", "/given/rho_kg_m3", f.rho, "kg/m^3", "density"},
                   {"alpha", "/given/alpha_1_K", f.alpha, "1/K", "thermal expansivity"},
                   {"g", "/given/g_m_s2", f.g, "m/s^2", "gravity"},
@@ -268,7 +268,7 @@ void answer_relaxation(const relaxation_question& q) {
   if (is_of("rti")) return answer_overturn(q, document);
   schema.read(document);
   apply(q, o);
-  fluid_layer f = layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
+  fluid_layer f = layer(schema, o.physics, o.domain.length[1], o.temperature_hot(), o.temperature_cold());
   const choice w = o.physics.relaxation;
   recommendation r = recommend(f, w);
   // With &convection, what the program will run with; without, the note's rules.
