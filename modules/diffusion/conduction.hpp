@@ -6,10 +6,13 @@
 
 namespace tetsuame::diffusion {
 
-template <int D>
-struct conduction {
+// Conductivity: an array, or the one value of all particles, 4 k k/(k + k) = 2 k.
+template <int D, class Conductivity>
+struct conduction_sum {
+  static constexpr bool uniform = std::is_same_v<Conductivity, double>;
+
   const double* T;   // K
-  const double* k;   // W/(m K)
+  Conductivity k;    // W/(m K)
   const double* dV;  // m^D
   double* heat;      // W, added to
 
@@ -20,7 +23,11 @@ struct conduction {
 
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_temperature, T), read(of_conductivity, k), read(of_volume, dV, D)};
+    const std::tuple always{read(of_temperature, T), read(of_volume, dV, D)};
+    if constexpr (uniform)
+      return always;
+    else
+      return std::tuple_cat(always, std::tuple{read(of_conductivity, k)});
   }
   template <class R>
   me<R> begin(const pairs::cluster<R>&) const {
@@ -28,11 +35,21 @@ struct conduction {
   }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
-    const auto factor =
-        of_both_ends(harmonic(ij.own(of_conductivity), ij(of_conductivity)), ij.own(of_volume), ij(of_volume), ij.F);
+    using R = std::remove_cvref_t<decltype(ij.F)>;
+    R both(1.0);
+    if constexpr (!uniform) both = harmonic(ij.own(of_conductivity), ij(of_conductivity));
+    const auto factor = of_both_ends(both, ij.own(of_volume), ij(of_volume), ij.F);
     a.sum += factor * ij.difference(of_temperature);
   }
-  void end(const auto& i, const auto& a) const { i.add(heat, a.sum, D - 2); }
+  void end(const auto& i, const auto& a) const {
+    if constexpr (uniform)
+      i.add(heat, 2.0 * k * a.sum, D - 2);
+    else
+      i.add(heat, a.sum, D - 2);
+  }
 };
+
+template <int D>
+using conduction = conduction_sum<D, const double*>;
 
 }  // namespace tetsuame::diffusion

@@ -110,10 +110,14 @@ struct viscous_sum {
 // sect. 3.2]:
 //   m_i Dv_i/Dt ⊃ Σ_j [4 η_i η_j/(η_i + η_j)] ΔV_i ΔV_j F_ij (d + 2) (v_ij·x_ij) x_ij/|x_ij|²
 //   Φ_i         = -½ Σ_j [the same factor] (d + 2) (v_ij·x_ij)²/|x_ij|²
-template <int D>
-struct symmetric_viscosity {
+// Eta as above.
+template <int D, class Eta>
+struct symmetric_viscous_sum {
+  static constexpr bool uniform = std::is_same_v<Eta, double>;
+
   std::array<const double*, D> v;  // m/s
-  const double *eta, *dV;          // Pa s, m^D
+  Eta eta;                         // Pa s
+  const double* dV;                // m^D
   std::array<double*, D> force;    // N, added to
   double* heat;                    // W, added to
 
@@ -124,7 +128,11 @@ struct symmetric_viscosity {
   };
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_volume, dV, D), read(of_viscosity, eta, 1)};
+    const std::tuple always{read(of_velocity, v), read(of_volume, dV, D)};
+    if constexpr (uniform)
+      return always;
+    else
+      return std::tuple_cat(always, std::tuple{read(of_viscosity, eta, 1)});
   }
   template <class R>
   me<R> begin(const pairs::cluster<R>&) const {
@@ -132,17 +140,23 @@ struct symmetric_viscosity {
   }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
+    using R = std::remove_cvref_t<decltype(ij.F)>;
     const auto along = ij.along(of_velocity);
-    const auto parallel =
-        (D + 2.0) *
-        of_both_ends(harmonic(ij.own(of_viscosity), ij(of_viscosity)), ij.own(of_volume), ij(of_volume), ij.F) * along /
-        ij.r2;
+    R factor(1.0);
+    if constexpr (!uniform) factor = harmonic(ij.own(of_viscosity), ij(of_viscosity));
+    const auto parallel = (D + 2.0) * of_both_ends(factor, ij.own(of_volume), ij(of_volume), ij.F) * along / ij.r2;
     a.force += parallel * ij.x_ij;
     a.dissipation -= parallel * along;
   }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k], D - 1);
-    i.add(heat, 0.5 * a.dissipation, D - 1);
+    if constexpr (uniform) {
+      const double of_viscosity = 2.0 * eta * i.lengths.to(-1);
+      for (std::size_t k = 0; k < D; ++k) i.add(force[k], of_viscosity * a.force[k], D - 1);
+      i.add(heat, 0.5 * of_viscosity * a.dissipation, D - 1);
+    } else {
+      for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k], D - 1);
+      i.add(heat, 0.5 * a.dissipation, D - 1);
+    }
   }
 };
 
@@ -150,5 +164,7 @@ template <int D>
 using viscosity = viscous_sum<D, const double*>;
 template <int D>
 using uniform_viscosity = viscous_sum<D, double>;
+template <int D>
+using symmetric_viscosity = symmetric_viscous_sum<D, const double*>;
 
 }  // namespace tetsuame::diffusion

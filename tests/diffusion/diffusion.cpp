@@ -118,6 +118,38 @@ BOOST_AUTO_TEST_CASE(symmetric_viscosity_balances) {
   check_viscosity<3, diffusion::symmetric_viscosity>();
 }
 
+// One value for all particles is an array of it.
+BOOST_AUTO_TEST_CASE(one_value_for_all) {
+  auto scene = disorder<3>();
+  auto& s = scene.w.s;
+  const double value = 3.7;
+  fill<3>(scene.w, s.eta, [&](std::size_t) { return value; });
+  fill<3>(scene.w, s.k, [&](std::size_t) { return value; });
+  const auto by_array = friction<3, diffusion::symmetric_viscosity>(scene.w);
+  output_arrays<3> by_value(s.fluid);
+  std::array<double*, 3> force;
+  for (std::size_t a = 0; a < 3; ++a) force[a] = by_value.force[a].data();
+  const diffusion::symmetric_viscous_sum<3, double> one{pairs::pointers<3>(s.v), value, s.dV.data(), force,
+                                                        by_value.heat.data()};
+  test::sum<3>(scene.w, one);
+  const auto conducted_by_array = conducted<3>(scene.w);
+  particles::array conducted_by_value(s.fluid, 0.0);
+  test::sum<3>(scene.w,
+               diffusion::conduction_sum<3, double>{s.T.data(), value, s.dV.data(), conducted_by_value.data()});
+  double scale = 0.0, off = 0.0, heat = 0.0, conducted_off = 0.0, conducted_scale = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    scale = std::max(scale, std::abs(by_array.force[0][i]));
+    off = std::max(off, std::abs(by_array.force[0][i] - by_value.force[0][i]));
+    heat = std::max(heat, std::abs(by_array.heat[i] / by_value.heat[i] - 1.0));
+    conducted_scale = std::max(conducted_scale, std::abs(conducted_by_array[i]));
+    conducted_off = std::max(conducted_off, std::abs(conducted_by_array[i] - conducted_by_value[i]));
+  }
+  BOOST_TEST(scale > 0.0);
+  BOOST_TEST(off <= 1e-13 * scale);
+  BOOST_TEST(heat <= 1e-13);
+  BOOST_TEST(conducted_off <= 1e-13 * conducted_scale);
+}
+
 // What turns as a solid has no stress, whatever the viscosities; with the Laplacian's sum it has where these differ.
 // Away from the sides, over which the motion does not go on.
 BOOST_AUTO_TEST_CASE(rotation_is_free) {

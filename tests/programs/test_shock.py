@@ -4,7 +4,7 @@ import math
 import unittest
 
 import h5py
-from running import BAD_INPUT, INTERRUPTED, SLOW, Case
+from running import BAD_INPUT, INPUTS, INTERRUPTED, SLOW, Case
 
 SCHEMES = ["ssph", "disph", "gsph", "gdisph", "remix"]
 DOUBLE = {"kernel.precision": "double"}  # where nothing but its rounding may be left
@@ -12,6 +12,9 @@ DOUBLE = {"kernel.precision": "double"}  # where nothing but its rounding may be
 PRICE, INTEGRAL = {"shock.conductivity": 1}, {"shock.gradients": "integral"}
 FORMS = {"ssph, conductivity": {"shock.scheme": "ssph", **PRICE}, "ssph, integral": {"shock.scheme": "ssph", **INTEGRAL},
          "gdf": {"shock.scheme": "gdf"}, "gdf, integral, conductivity": {"shock.scheme": "gdf", **INTEGRAL, **PRICE}}
+
+
+PROFILE = {"domain.particles_x": 100, "output.interval": 0, "output.history_interval": 1}
 
 
 class Shock(Case):
@@ -364,6 +367,99 @@ class Shock(Case):
         for name in ("gdf", "gdf, integral, conductivity"):
             with self.subTest(name):
                 self.assert_exact("shock", "sod", {**settings, **FORMS[name]}, 10, [(2, 1)])
+
+    def decay(self, result):
+        """Of the velocity, 1/s: half of that of the kinetic energy."""
+        header, rows = result.rows()
+        t, kinetic = (header.index(name) for name in ("time [s]", "kinetic_energy [J]"))
+        first, last = rows[0], rows[-1]
+        return -0.5 * math.log(float(last[kinetic]) / float(first[kinetic])) / (float(last[t]) - float(first[t]))
+
+    def test_shear_wave(self):
+        """v_y sin kx dies as exp(-nu k^2 t). The sums are 1.1 % slow on the lattice (1/6 of the stress is central: its waves along axes are
+        slower), 2 % at 32 particles a wave; with density 2 nu is half."""
+        for scheme, density in [("ssph", 1), ("disph", 2), ("gdf", 1)] if SLOW else [("ssph", 2)]:
+            with self.subTest(scheme):
+                settings = {"domain.particles_x": 32, "shock.scheme": scheme, "shock.viscosity": 0.02, "time.t_end": 0.5,
+                            **{f"shock.rho_{end}": density for end in "lr"}, **{f"shock.p_{end}": 2 for end in "lr"},
+                            "region.velocity_y": "'0.3*sin(2*pi*x)'"}
+                result = self.run_program("shock", "shear_wave", settings)
+                self.assertAlmostEqual(self.decay(result) / (0.02 / density * (2 * math.pi)**2), 1, delta=0.02)
+                c = result.summary["conservation"]
+                self.assertLess(abs(c["energy"]), 1e-6)
+                self.assertLess(c["momentum"], 1e-6)  # single precision
+
+    def test_sound_wave_in_a_gas_that_rubs_and_conducts(self):
+        """A standing wave decays as the linear theory of friction and conduction has it: s of d(rho, u, T)/dt, complex; after one period its
+        kinetic energy is exp(2 Re s T) of the start's, where the start has the velocity alone."""
+        import numpy as np
+        gamma, mu, bulk, conductivity, c_v, rho, p = 1.4, 0.003, 0.002, 0.01, 2.0, 1.0, 1.0
+        k, T = 2 * math.pi, p / rho / ((gamma - 1) * c_v)
+        R = (gamma - 1) * c_v
+        # of density sines, velocity cosines: drho = -rho k v, rho dv = k R (T drho + rho dT) - mu_L k^2 v, rho c_v dT' = -p k v - k_T k^2 T
+        A = np.array([[0, -rho * k, 0], [k * R * T / rho, -(4 / 3 * mu + bulk) * k * k / rho, k * R],
+                      [0, -p * k / (rho * c_v), -conductivity * k * k / (rho * c_v)]])
+        values, vectors = np.linalg.eig(A)
+        at = np.linalg.solve(vectors, np.array([0, 1, 0]))
+        speed = lambda t: float((vectors[1] * at * np.exp(values * t)).sum().real)
+        end = 2 * math.pi / abs(values.imag).max()
+        settings = {"domain.dimension": 1, "domain.length_x": 1, "domain.particles_x": 100, "time.t_end": end, "shock.viscosity": mu, "shock.bulk_viscosity": bulk,
+                    "shock.heat_conductivity": conductivity, "shock.heat_capacity": c_v, "time.rtol": 1e-5, "kernel.precision": "double"}
+        text = (INPUTS / "shear_wave.nml").read_text().replace("velocity_y = '0.2*sin(2*pi*x)'", "velocity_x = '0.001*cos(2*pi*x)'")
+        text = text.replace("length_y = 0.5", "").replace("periodic_y = .true.", "")
+        wave = self.here / "sound.nml"
+        wave.write_text(text)
+        result = self.run_program("shock", wave, settings)
+        left = math.exp(-self.decay(result) * end)
+        self.assertLess(left, 0.9)
+        self.assertAlmostEqual(math.log(left) / math.log(speed(end)), 1, delta=0.01)
+
+    def test_viscous_shock(self):
+        """Becker's profile for another gas and strength, with bulk viscosity: errors fall with the spacing squared, whatever the scheme."""
+        along = 4 / 3 * 0.01 + 0.01
+        settings = {"shock.gamma": 5 / 3, "shock.p_l": 3, "shock.rho_r": 2, "shock.viscosity": 0.01, "shock.bulk_viscosity": 0.01, "shock.heat_capacity": 0.5,
+                    "shock.heat_conductivity": along * 5 / 3 * 0.5, "shock.coarser": 1, "domain.particles_x": 400, "time.t_end": 0.1, "output.interval": 0}
+        for scheme in ("ssph", "disph") if SLOW else ("ssph",):
+            with self.subTest(scheme):
+                s = self.summary("viscous_shock", {**settings, "shock.scheme": scheme}, output="profile_" + scheme)
+                self.assertAlmostEqual(s["metrics"]["density_behind"], 2 * (4 * 3 + 1) / (3 + 4), delta=1e-9)  # Rankine-Hugoniot, gamma 5/3
+                self.assertLess(s["errors"]["density_l1"], 0.003 * (s["metrics"]["density_behind"] - 2))
+                self.assertLess(s["errors"]["velocity_l1"], 0.003 * s["metrics"]["velocity_behind"])
+                for error in ("density_l1", "velocity_l1", "pressure_l1"):
+                    self.assertGreater(s["errors"]["convergence"]["order"][error], 1.6, error)
+
+    def test_friction_limits_steps(self):
+        fast, slow = ({**PROFILE, "shock.viscosity": mu, "shock.heat_conductivity": mu * 4 / 3 * 1.4} for mu in (1e-4, 0.2))
+        dt = [self.run_program("shock", "viscous_shock", {**s, "time.method": "ssp_rk3", "time.steps": 2, "time.t_end": 1}).rows()[1][-1][2] for s in (fast, slow)]
+        # 0.25 dx^2 rho/max(mu + (d + 1) mu/6, k/c_v), dx = 1/100 m: 1.867 mu is the larger; of so wide a shock the density is up to 1.03 ahead
+        self.assertLess(float(dt[1]), 0.25 * 1e-4 / (0.2 * 4 / 3 * 1.4) * 1.03)
+        self.assertGreater(float(dt[0]), 10 * float(dt[1]))
+
+    def test_friction_on_ranks_and_after_restarts(self):
+        settings = {"domain.dimension": 2, "domain.particles_x": 48, "domain.particles_y": 12, "domain.periodic_y": "T", "kernel.skin": 0.5,
+                    "time.t_end": 0.02, "shock.viscosity": 0.001, "shock.heat_conductivity": 0.002, "shock.heat_capacity": 1}
+        for scheme in ("ssph", "gdisph") if SLOW else ("ssph",):
+            s = self.assert_exact("shock", "sod", {**settings, "shock.scheme": scheme}, 10, [(3, 1), (None, 2)] if SLOW else [(3, 1)])
+            self.assertIsNone(s["errors"])  # the tube's exact solution has no friction
+            self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
+
+    def test_friction_refusals(self):
+        for name, settings, says in [
+                ("sod", {"shock.bulk_viscosity": 1}, ("bulk_viscosity", "5/3 of the viscosity")),
+                ("sod", {"shock.viscosity": -1}, ("viscosity",)),
+                ("sod", {"shock.heat_conductivity": 1}, ("heat_conductivity", "need a heat_capacity")),
+                ("sod", {"shock.heat_capacity": 1}, ("heat_capacity", "belongs to heat_conductivity")),
+                ("sod", {"shock.viscosity": 1, "shock.coarser": 1}, ("coarser", "no exact solution")),
+                ("iron_silicate", {"shock.heat_conductivity": 1, "shock.heat_capacity": 1}, ("heat_conductivity", "one gas")),
+                ("melts_shock", {"shock.heat_conductivity": 1, "shock.heat_capacity": 1}, ("heat_conductivity", "one gas")),
+                ("viscous_shock", {"shock.heat_conductivity": 0.03}, ("heat_conductivity", "0.03733333333 W/(m K)")),
+                ("viscous_shock", {"shock.viscosity": 0, "shock.heat_conductivity": 0}, ("viscosity", "has a width")),
+                ("viscous_shock", {"shock.p_l": 0.5}, ("p_l", "larger pressure")),
+                ("viscous_shock", {"shock.u_l": 1}, ("u_l", "follows"))]:
+            with self.subTest(name, **settings):
+                result = self.run_program("shock", name, settings, expect=BAD_INPUT)
+                self.assert_says(result, BAD_INPUT, *says)
+                self.assertFalse(result.directory.exists())
 
     def test_wrong_input(self):
         for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),

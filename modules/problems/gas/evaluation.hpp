@@ -3,7 +3,8 @@
 //     SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
 // then gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the kernels' corrections (REMIX), the moments
 // of gradients by an integral, or the factor of geometric densities; forces and power, with artificial viscosity or
-// Riemann problems; and
+// Riemann problems;
+// what the gas itself has of friction and conduction (schemes/molecular.hpp); and
 //   dx/dt = v, dv/dt = F/m + g + K, du/dt = power/m + J, dα/dt or dρ/dt where these are integrated
 #pragma once
 
@@ -48,6 +49,34 @@ void sum_geometric_factor(world<D>& g, const pairs::row_range& rows, bool suppor
   sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) {
     return schemes::geometric_factor<D, Kernel>{unit, g.fields(), supports_vary};
   });
+}
+
+// Of the gas itself, added to nothing.
+template <int D>
+void sum_transport(world<D>& g, const pairs::row_range& rows) {
+  const auto& m = g.molecular;
+  const auto& s = g.w.s;
+  const auto v = pairs::pointers<D>(s.v);
+  std::array<double*, D> force;
+  const auto clear = [&](particles::array& a) {
+    std::fill(a.begin() + static_cast<std::ptrdiff_t>(rows.first), a.begin() + static_cast<std::ptrdiff_t>(rows.last),
+              0.0);
+    return a.data();
+  };
+  for (std::size_t a = 0; a < D; ++a) force[a] = clear(g.friction[a]);
+  double* const heat = clear(g.heat);
+  const double *dV = s.dV.data(), c = m.symmetric();
+  const diffusion::uniform_viscosity<D> plain{v, m.viscosity - c, dV, force, heat};
+  const diffusion::symmetric_viscous_sum<D, double> symmetric{v, c, dV, force, heat};
+  const diffusion::conduction_sum<D, double> conduction{s.T.data(), m.heat_conductivity, dV, heat};
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        const auto by = [&]<class Term>(const Term& term) {
+          return schemes::of_mean_kernel<D, Kernel, Term>{unit, g.fields(), term};
+        };
+        m.conducts() ? sum(g, rows, by(plain), by(symmetric), by(conduction)) : sum(g, rows, by(plain), by(symmetric));
+      },
+      g.unit);
 }
 
 // The sum of forces of the scheme that was asked for.
@@ -129,6 +158,7 @@ class list_of_passes {
     if (has_factor_) find_geometric_factor();
     if (g_.second_order || g_.evolves_density) find_gradients();
     find_forces();
+    if (g_.molecular.any()) find_transport();
     find_rates();
     e.complete(passes::behind_walls::images);
   }
@@ -212,6 +242,7 @@ class list_of_passes {
     }
     s_.p[i] = (g_.gamma[i] - 1.0) * (g_.weighs_energy ? g_.y[i] : s_.rho[i] * s_.u[i]) - g_.gamma[i] * g_.stiffness[i];
     s_.c[i] = g_.sound_speed(i);
+    if (g_.molecular.conducts()) s_.T[i] = (s_.u[i] - g_.stiffness[i] / s_.rho[i]) / *g_.o.shock.heat_capacity;
   }
   // What the pair takes of the viscosity, or of the star pressure.
   double dissipation_of(std::size_t i) const {
@@ -276,10 +307,17 @@ class list_of_passes {
     if (has_factor_) uses.at_neighbours.add({g_.factor});
     e.sum("forces", uses, forces_of(g_));
   }
+  void find_transport() {
+    passes::fields neighbours{found(), s_.v};
+    if (g_.molecular.conducts()) neighbours.add({s_.T});
+    e.sum("friction", {.at_neighbours = neighbours, .writes = {g_.friction, g_.heat}},
+          [this](const pairs::row_range& rows) { sum_transport(g_, rows); });
+  }
   void find_rates() {
     passes::access uses{.reads = {s_.m, s_.v, s_.c, g_.force, g_.power, g_.density_rate, g_.divergence, g_.S, g_.alpha,
                                   passes::of_sources<D>(g_)},
                         .rates = {s_.x, s_.v, s_.u}};
+    if (g_.molecular.any()) uses.reads.add({g_.friction, g_.heat});
     if (g_.o.has_alpha()) uses.rates.add({g_.alpha});
     if (g_.evolves_density) uses.rates.add({g_.evolved});
     e.each("rates", uses, [this](std::size_t i) { combine(i); });
@@ -291,6 +329,10 @@ class list_of_passes {
       rate(D, a)[i] = g_.force[a][i] / s_.m[i] + g_.w.gravity(a, i);
     }
     rate(u_)[i] = g_.power[i] / s_.m[i];
+    if (g_.molecular.any()) {
+      for (std::size_t a = 0; a < D; ++a) rate(D, a)[i] += g_.friction[a][i] / s_.m[i];
+      rate(u_)[i] += g_.heat[i] / s_.m[i];
+    }
     if (g_.w.heating != nullptr) rate(u_)[i] += (*g_.w.heating)[i];
     if (g_.evolves_density) rate(extra_)[i] = g_.density_rate[i];
     if (g_.o.has_alpha())

@@ -60,6 +60,17 @@ double momentum_change(const world<D>& g, const totals<D>& now, const totals<D>&
 }
 
 template <int D>
+double shortest_diffusion(const world<D>& g) {  // s, of this rank
+  constexpr double any = std::numeric_limits<double>::infinity();
+  const auto& m = g.molecular;
+  const double most = std::max(m.largest(D), m.conducts() ? m.heat_conductivity / *g.o.shock.heat_capacity : 0.0);
+  return foundation::smallest_of(g.w.s.fluid, any, [&](std::size_t i) {
+    const double spacing = g.S[i] / g.support_over_dx;
+    return spacing * spacing * g.w.s.rho[i] / most;
+  });
+}
+
+template <int D>
 double largest_density(const world<D>& g) {
   double densest = 0.0;
   for (std::size_t i = 0; i < g.w.s.fluid; ++i) densest = std::max(densest, g.told_density()[i]);
@@ -113,7 +124,7 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
   add("Masses", s.m.data());
   add("Density", g.told_density().data());
   add("Pressure", s.p.data());
-  add("Temperature", g.any_eos ? s.T.data() : make([](auto) { return 0.0; }));
+  add("Temperature", g.any_eos || g.molecular.conducts() ? s.T.data() : make([](auto) { return 0.0; }));
   add("SmoothingLength", make([&](auto i) { return g.S[i] / g.support_over_h; }));
   add("Material", make([&](auto i) { return s.material[i]; }));
   add("InternalEnergy", s.u.data());
@@ -153,14 +164,18 @@ class flow : public run::particle_simulation<D> {
   }
   void sum_rates(std::span<double* const> rate) override { passes_.e.run(rate); }
 
-  // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)).
+  // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)); and friction or conduction, Δt = diffusive
+  // · Δx_i²/D_i, D = max(μ + (d + 1) c, k/c_V)/ρ (schemes/molecular.hpp).
   integrators::step_limit largest_step() override {
     constexpr double any = std::numeric_limits<double>::infinity();
     const double least = foundation::smallest_of(g_.w.s.fluid, any, [&](std::size_t i) {
       const double spacing = g_.S[i] / g_.support_over_dx, signal = std::max(g_.signal[i], 2.0 * g_.sound_speed(i));
       return 2.0 * spacing / signal;
     });
-    return {*g_.o.common.time.cfl * ranks.minimum(least), "sound"};
+    const double sound = *g_.o.common.time.cfl * ranks.minimum(least);
+    if (!g_.molecular.any()) return {sound, "sound"};
+    const double friction = *g_.o.common.time.diffusive * ranks.minimum(shortest_diffusion(g_));
+    return {1.0 / std::hypot(1.0 / sound, 1.0 / friction), sound < friction ? "sound" : "viscosity"};
   }
   double sound_of_start() override { return g_.speed_scale; }
   run::apart moved() override { return gas::moved(g_); }

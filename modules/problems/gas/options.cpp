@@ -25,9 +25,10 @@ void declare_case(namelist::schema& schema, shock_options& s) {
   schema.add(
       "shock", "test", s.test,
       {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts",
-                   "impact"},
+                   "impact", "viscous_shock"},
        .meaning = "what is at the start; left and right are inside and outside of a square or band, core and mantle of "
-                  "bodies that meet. square: pairs are in double precision unless &kernel precision is given"});
+                  "bodies that meet, behind a shock and ahead of it. square: pairs are in double precision unless "
+                  "&kernel precision is given"});
   schema.add(
       "shock", "scheme", s.scheme,
       {.choices = {"ssph", "disph", "gsph", "gdisph", "remix", "gdf"},
@@ -112,8 +113,9 @@ void declare_states(namelist::schema& schema, shock_options& s) {
 void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "window", s.window,
              for_expert(up_to(1.0, "errors are measured in this part of the box along x, about its middle")));
-  schema.add("shock", "middle", s.middle,
-             for_expert(between(0.05, 0.95, "riemann: where the two sides meet, in parts of the box along x")));
+  schema.add(
+      "shock", "middle", s.middle,
+      for_expert(between(0.05, 0.95, "riemann, viscous_shock: where the two sides meet, in parts of the box along x")));
   schema.add("shock", "coarser", s.coarser,
              between(0, 10,
                      "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
@@ -184,13 +186,13 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
+  declare_transport(schema, o.shock);
   regions::declare(schema, of_regions, o.of_regions);
   sources::declare(schema, {.temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
                 .kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,
-                .limits_diffusion = false,
                 .starts_from_file = true,
                 .reads = "places, velocities, densities, masses, and internal energies or pressures"});
 }
@@ -306,7 +308,8 @@ void check_test(const namelist::schema& schema, const options& o) {
     schema.fail("shock", "weight", "'power' is of the schemes 'disph' and 'gdisph'");
   if (s.weight != "power" && s.exponent != shock_options{}.exponent)
     schema.fail("shock", "exponent", "belongs to weight = 'power'");
-  if (s.middle != 0.5 && test != "riemann") schema.fail("shock", "middle", "is of the test 'riemann'");
+  if (s.middle != 0.5 && test != "riemann" && test != "viscous_shock")
+    schema.fail("shock", "middle", "is of the tests 'riemann' and 'viscous_shock'");
   if (o.terms_fade() && s.scheme != "gdisph")
     schema.fail("shock", "support_terms", "'fading' is of the scheme 'gdisph'");
   if (test == "impact") {
@@ -382,6 +385,8 @@ void resolve_regions(const namelist::schema& schema, options& o) {
 void check_coarser(const namelist::schema& schema, const options& o) {
   const std::int64_t k = o.shock.coarser;
   if (k == 0) return;
+  if (o.shock.molecular.any() && o.shock.test != "viscous_shock")
+    schema.fail("shock", "coarser", "with friction or conduction of the gas there is no exact solution");
   for (const char* test : {"square", "kelvin_helmholtz", "rayleigh_taylor", "blasts"})
     if (o.shock.test == test)
       schema.fail("shock", "coarser",
@@ -427,6 +432,7 @@ void resolve(const namelist::schema& schema, options& o) {
   resolve_box(schema, o);
   check_form(schema, o);
   check_test(schema, o);
+  check_transport(schema, o);
   choose_precision(schema, o);
   resolve_regions(schema, o);
   check_coarser(schema, o);

@@ -12,6 +12,7 @@
 #include <regions/region.hpp>
 #include <run/lists.hpp>
 #include <run/options.hpp>
+#include <schemes/molecular.hpp>
 #include <sources/options.hpp>
 
 namespace tetsuame::gas {
@@ -49,6 +50,8 @@ struct shock_options {
   bool switch_of_alpha = true, balsara = true;
   std::string gradients = "kernel";  // of ssph and gdf
   double conductivity = 0.0;         // artificial, of ssph and gdf
+  schemes::transport molecular;
+  std::optional<double> heat_capacity = {};  // J/(kg K), at constant volume
 };
 
 struct options {
@@ -77,6 +80,10 @@ struct options {
   // Whether the viscosity of each particle has a coefficient of its own.
   bool has_alpha() const { return !godunov() && !evolves_density() && shock.switch_of_alpha; }
 };
+
+// Friction and conduction of the gas itself: transport.cpp.
+void declare_transport(namelist::schema& schema, shock_options& s);
+void check_transport(const namelist::schema& schema, const options& o);
 
 eos::any eos_of(const side_options& side);  // with its own parameters
 

@@ -29,6 +29,9 @@ double wave_number(const options& o);
 setup overturn(const options& o);
 setup impact(const options& o);
 
+// setup_of_viscous_shock.cpp
+setup viscous_shock(const options& o);
+
 // setup_of_regions.cpp: a start that &region changes, and what such a start has no more.
 setup with_regions(const options& o, setup test);
 void forget_solution(setup& test);

@@ -48,6 +48,10 @@ struct world : run::state<D>, schemes::arrays<D> {
   sources::fields<D> sources = {};
 
   particles::array& number_volume = this->derived("NumberVolume", "m^D", "1/n");
+  // Of the gas itself, where it has friction or conducts.
+  const schemes::transport molecular = o.shock.molecular;
+  particles::vector_field<D> friction = this->template derived_vector<D>("Friction", "N", "", molecular.any());
+  particles::array& heat = this->derived("HeatOfFriction", "W", "and of conduction", molecular.any());
 
   world(const options& o_, setup test_)
       : schemes::arrays<D>(w.s, {.slopes = o_.godunov() || o_.evolves_density(),
@@ -108,18 +112,18 @@ std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
   return {*side.gamma, side.p_infinity};
 }
 
-// The pair sum of a term over the neighbours of these rows, in the precision that the run chose. The unit of length of
+// The pair sum of terms over the neighbours of these rows, in the precision that the run chose. The unit of length of
 // single precision is near the largest reach of a pair.
-template <int D, class Term>
-void sum(world<D>& g, const pairs::row_range& rows, const Term& term) {
+template <int D, class... Terms>
+void sum(world<D>& g, const pairs::row_range& rows, const Terms&... terms) {
   const double nearest = 1e-9 * g.support_over_dx * g.w.dx;
-  if constexpr (pairs::takes<Term, pairs::single>)
+  if constexpr ((pairs::takes<Terms, pairs::single> && ...))
     if (g.w.single_pairs()) {
       const pairs::unit<pairs::single> lengths(g.w.d.width);
       return pairs::sum_in<D>(lengths, rows, g.w.list, {g.w.x(), g.w.frame},
-                              schemes::distances_only{nearest * lengths.to(-1)}, term);
+                              schemes::distances_only{nearest * lengths.to(-1)}, terms...);
     }
-  pairs::sum_over<D>(rows, g.w.list, {g.w.x(), g.w.frame}, schemes::distances_only{nearest}, term);
+  pairs::sum_over<D>(rows, g.w.list, {g.w.x(), g.w.frame}, schemes::distances_only{nearest}, terms...);
 }
 
 }  // namespace tetsuame::gas
