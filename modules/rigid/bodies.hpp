@@ -25,6 +25,16 @@ struct moving_body {
   solids::pose<D> now, at_lists;  // now, and when lists were made
   solids::rate<D> rate;           // now
 
+  double turned_by = 0.0;  // radians, of a free body in two dimensions: any number of turns
+
+  // How far a free body has moved (m, radians), and what its springs and dampers do to it (N, N m).
+  solids::rigid<D> moved() const {
+    solids::rigid<D> s{now.shift, {}};
+    if constexpr (D == 2) s.turning[0] = turned_by;
+    return s;
+  }
+  solids::rigid<D> pulled() const { return free->restrained.force(moved(), {rate.velocity, rate.angular}); }
+
   // Of a free body, the state that is integrated: displacement and velocity of its centre of mass; its angle, or
   // quaternion; its angular momentum over spin_scale().
   double spin_scale() const { return free->inertia[0][0]; }
@@ -45,7 +55,7 @@ struct moving_body {
     std::array<double, angles> angle;
     for (std::size_t a = 0; a < angles; ++a) angle[a] = value(2 * D + a);
     if constexpr (D == 2)
-      now.turned = solids::rotation_by<2>({{angle[0]}});
+      now.turned = solids::rotation_by<2>({{turned_by = angle[0]}});
     else
       now.turned = solids::rotation_of(angle);
     for (std::size_t a = 0; a < turns; ++a) free->angular_momentum[a] = spin_scale() * value(2 * D + angles + a);

@@ -84,6 +84,15 @@ std::array<bool, solids::rigid<D>::turns> held_turns(const bodies<D>& set, std::
   return held;
 }
 
+// The components in which a free body does not move.
+template <int D>
+std::array<bool, solids::rigid<D>::components> held_components(const bodies<D>& set, const moving_body<D>& b) {
+  auto held = b.free->restrained.held;
+  const auto turns = held_turns(set, b.body);
+  for (std::size_t k = 0; k < turns.size(); ++k) held[D + k] = held[D + k] || turns[k];
+  return held;
+}
+
 // A particle that has come to a free body.
 template <int D>
 struct meeting {
@@ -99,10 +108,19 @@ template <int D>
 solids::about<D> spin_of(const bodies<D>& set, const moving_body<D>& b, const solids::point<D>& r,
                          const solids::point<D>& impulse) {
   auto spin = solids::moment<D>(r, impulse);
-  const auto held = held_turns(set, b.body);
-  for (std::size_t k = 0; k < held.size(); ++k)
-    if (held[k]) spin[k] = 0.0;
+  const auto held = held_components(set, b);
+  for (std::size_t k = 0; k < spin.c.size(); ++k)
+    if (held[D + k]) spin[k] = 0.0;
   return spin;
+}
+
+// N s: that part of an impulse which changes its momentum.
+template <int D>
+solids::point<D> taken_along(const bodies<D>& set, const moving_body<D>& b, solids::point<D> impulse) {
+  const auto held = held_components(set, b);
+  for (std::size_t a = 0; a < D; ++a)
+    if (held[a]) impulse[a] = 0.0;
+  return impulse;
 }
 
 // The impulse on a particle that leaves a free body at r from its centre with this change of the relative velocity, and
@@ -112,11 +130,12 @@ solids::point<D> push_apart(const bodies<D>& set, moving_body<D>& b, double mass
                             const solids::point<D>& change) {
   auto pushed = *b.free;
   pushed.angular_momentum = spin_of(set, b, r, change);
-  const auto w = (1.0 / pushed.mass) * change + solids::cross<D>(pushed.angular_velocity(b.now.turned), r);
+  const auto w =
+      (1.0 / pushed.mass) * taken_along(set, b, change) + solids::cross<D>(pushed.angular_velocity(b.now.turned), r);
   const double squared = foundation::dot(change, change);
   if (!(squared > 0.0)) return foundation::zero<double, D>();
   const auto impulse = (squared / (squared / mass + foundation::dot(change, w))) * change;
-  b.rate.velocity -= (1.0 / pushed.mass) * impulse;
+  b.rate.velocity -= (1.0 / pushed.mass) * taken_along(set, b, impulse);
   b.free->angular_momentum -= spin_of(set, b, r, impulse);
   b.rate.angular = b.free->angular_velocity(b.now.turned);
   return impulse;

@@ -235,7 +235,8 @@ about<D> free_body<D>::angular_velocity(const rotation<D>& turned) const {
 
 template <int D>
 rigid<D> free_body<D>::acceleration(const rotation<D>& turned, const point<D>& gravity, const rigid<D>& at_none,
-                                    const rigid_matrix<D>& added, const std::array<bool, turns>& held) const {
+                                    const rigid_matrix<D>& added,
+                                    const std::array<bool, rigid<D>::components>& held) const {
   constexpr int N = rigid<D>::components;
   Eigen::Matrix<double, N, N> of_both;
   Eigen::Matrix<double, N, 1> force;
@@ -254,7 +255,7 @@ rigid<D> free_body<D>::acceleration(const rotation<D>& turned, const point<D>& g
   }
   for (std::size_t k = 0; k < held.size(); ++k) {
     if (!held[k]) continue;
-    const auto row = static_cast<int>(D + k);
+    const auto row = static_cast<int>(k);
     of_both.row(row).setZero();
     of_both.col(row).setZero();
     of_both(row, row) = 1.0;

@@ -136,6 +136,27 @@ struct rigid {
 template <int D>
 using rigid_matrix = std::array<std::array<double, rigid<D>::components>, rigid<D>::components>;
 
+// What restrains a free body beside the water: components that do not move, and linear springs and dampers.
+template <int D>
+struct restraint {
+  static constexpr std::size_t components = rigid<D>::components;
+  std::array<bool, components> held{};
+  // N/m and N s/m, N m and N m s (per radian); the displacement, m and radians, at which a spring is relaxed.
+  rigid<D> stiffness, damping, rest;
+
+  // N and N m, of a body that has moved by s from where it began and moves with v.
+  rigid<D> force(const rigid<D>& s, const rigid<D>& v) const {
+    rigid<D> f;
+    for (std::size_t k = 0; k < components; ++k) f[k] = -stiffness[k] * (s[k] - rest[k]) - damping[k] * v[k];
+    return f;
+  }
+  double energy(const rigid<D>& s) const {  // J, of the springs
+    double all = 0.0;
+    for (std::size_t k = 0; k < components; ++k) all += 0.5 * stiffness[k] * (s[k] - rest[k]) * (s[k] - rest[k]);
+    return all;
+  }
+};
+
 // Moves under forces: momentum and angular momentum are what it holds, so that both change by exactly what acts.
 template <int D>
 struct free_body {
@@ -145,12 +166,13 @@ struct free_body {
   pose<D> now;                                        // its pivot is the centre of mass
   point<D> momentum = foundation::zero<double, D>();  // kg m/s
   about<D> angular_momentum = foundation::zero<double, turns>();  // kg m2/s, about the centre of mass
+  restraint<D> restrained;
 
   about<D> angular_velocity(const rotation<D>& turned) const;
   // m/s2 and 1/s2, where the force (N) and the moment (N m, about the centre of mass) are `at_none`, less `added` times
-  // the acceleration: m a = F - m_aa a - m_aω ω' + m g, I ω' = T - m_ωa a - m_ωω ω' - ω × L.
+  // the acceleration: m a = F - m_aa a - m_aω ω' + m g, I ω' = T - m_ωa a - m_ωω ω' - ω × L; zero of what is held.
   rigid<D> acceleration(const rotation<D>& turned, const point<D>& gravity, const rigid<D>& at_none,
-                        const rigid_matrix<D>& added, const std::array<bool, turns>& held = {}) const;
+                        const rigid_matrix<D>& added, const std::array<bool, rigid<D>::components>& held = {}) const;
   rate<D> rate_now() const;
   double kinetic_energy() const;  // J
 };

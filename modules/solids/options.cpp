@@ -196,10 +196,15 @@ struct motion_reader {
                  {"pivot_z", &o.pivot[2]}});
     if (dimension == 2)
       expect_none(n, "two-dimensional", {{"gyration_x", &o.gyration[0]}, {"gyration_y", &o.gyration[1]}});
-    free_options f{of(o.density, n), of(o.mass, n), {}};
+    free_options f{of(o.density, n), of(o.mass, n), {}, {}, {}};
     if ((f.density > 0.0) == (f.mass > 0.0)) fail("density", n, "a free body takes its density or its mass");
     for (std::size_t k = 0; k < 3; ++k) f.gyration[k] = of(o.gyration[k], n);
     if (dimension == 3) expect_inertia(n, f.gyration);
+    const auto fail_here = [&](const std::string& key, const std::string& why) { fail(key, n, why); };
+    if (dimension == 2)
+      f.in_plane = restraint_of<2>(o.restraint, n, fail_here);
+    else
+      f.in_space = restraint_of<3>(o.restraint, n, fail_here);
     return f;
   }
   // Radii of gyration about principal axes (m): all or none, and no square of one above the sum of the others',
@@ -234,6 +239,7 @@ struct motion_reader {
                  {"gyration_x", &o.gyration[0]},
                  {"gyration_y", &o.gyration[1]},
                  {"gyration_z", &o.gyration[2]}});
+    expect_unrestrained(o.restraint, n, [&](const std::string& key, const std::string& why) { fail(key, n, why); });
     const auto pivot = vector_of<D>(o.pivot, n);
     if (of(o.kind, n, "harmonic") == "table") {
       if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of a table");
@@ -278,6 +284,7 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
                        "principal axes: in 3-D "
                        "all three; none: as of one density, of a hundredth of the liquid's at least",
                        0.0));
+  declare(schema, most_motions, numbers, m.restraint);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <namelist/schema.hpp>
+#include <solids/restraint.hpp>
 #include <solids/wall_particles.hpp>
 
 namespace tetsuame::solids {
@@ -35,12 +36,15 @@ struct motion_options {
   std::array<std::vector<double>, 3> amplitude, pivot, axis;
   std::vector<double> density, mass;  // of free bodies
   std::array<std::vector<double>, 3> gyration;
+  restraint_options restraint;
 };
 
 // A body that moves freely: of its density it has its mass and inertia, unless these are given.
 struct free_options {
   double density = 0.0, mass = 0.0;  // kg/m3, kg (kg/m in two dimensions); one of them is given
   std::array<double, 3> gyration{};  // m, about principal axes; 0: as of one density
+  restraint<2> in_plane;             // of two dimensions
+  restraint<3> in_space;             // of three
 };
 
 // The keys of pieces, `shapes` among them, in a group that is declared.

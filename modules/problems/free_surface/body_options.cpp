@@ -84,6 +84,10 @@ solids::free_body<D> free_body_of(const options& o, const solids::body<D>& of, c
     b.inertia[k] = foundation::zero < double, D == 2 ? 1 : 3 > ();
     b.inertia[k][k] = b.mass * radius * radius;
   }
+  if constexpr (D == 2)
+    b.restrained = how.in_plane;
+  else
+    b.restrained = how.in_space;
   return b;
 }
 

@@ -48,6 +48,21 @@ probe<D> impulse_probe(std::size_t gauges) {
   return p;
 }
 
+// 1/s: twice the larger of (k/m)^½ and c/m of what restrains free bodies; 0: there is none.
+template <int D>
+double fastest_spring(const water<D>& f) {
+  double most = 0.0;
+  for (const auto& b : f.moving) {
+    if (!b.free) continue;
+    const auto& r = b.free->restrained;
+    for (std::size_t k = 0; k < r.components; ++k) {
+      const double inertia = k < D ? b.free->mass : b.free->inertia[0][0];
+      most = std::max({most, 2.0 * std::sqrt(r.stiffness[k] / inertia), 2.0 * r.damping[k] / inertia});
+    }
+  }
+  return most;
+}
+
 // How far a body has moved from where the input has it, and by how much it has turned: degrees, along x, y, z the
 // components of its rotation vector in three dimensions.
 template <int D>
@@ -134,9 +149,15 @@ class flow : public run::particle_simulation<D> {
   }
   run::apart speed() override { return with_bodies(base::speed(), bodies_speed(f_)); }
 
+  integrators::step_limit largest_step() override {
+    const auto of_water = step_of_water();
+    const double springs = fastest_spring(f_);
+    return springs * of_water.dt > 1.0 ? integrators::step_limit{1.0 / springs, "springs"} : of_water;
+  }
+
   // Sound over the spacing, and viscosity with the density's diffusion. Of Riemann problems, which take 2.3 c/h in two
   // dimensions, 3 c/h in three times 1 - cos k·x off a wave, this is less than sound's own 2.2 c/Δx.
-  integrators::step_limit largest_step() override {
+  integrators::step_limit step_of_water() const {
     const auto& time = f_.o.common.time;
     const double dx = f_.dx(), c = f_.p.water.sound;
     const double diffusivity = std::max(f_.p.kinematic_viscosity, f_.p.density_diffusivity);
@@ -333,11 +354,12 @@ class flow : public run::particle_simulation<D> {
   bool works_alone() const { return f_.counts_work && f_.free.empty(); }
 
   // Over the kinetic energy of the start, or where there was none over what the weight could give; with surface tension
-  // over its energy beside that.
+  // and springs over their energy beside that.
   // Collective.
   double energy_change(const energies& now) {
     const double weight = now.mass * f_.gravity() * f_.p.height;
-    const double scale = (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface;
+    const double scale =
+        (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface + energy_of_springs_at_start(f_);
     double supplied = f_.sources.work_of_forces();
     if (works_alone()) {
       const auto work = count_of(f_).work;

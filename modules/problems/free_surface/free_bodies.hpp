@@ -7,7 +7,8 @@
 // with
 //   m_kl = -Σ_i Σ_w e_k(x_i)·V_i V_w ∇_i W_iw G_l
 // the water that takes part in its acceleration. With M the body's own mass and inertia, (M + m) A = Q(0) + weight: its
-// solution is what both act by, at once, however light the body is.
+// solution is what both act by, at once, however light the body is. Springs and dampers add to its weight, and what is
+// held does not take part.
 #pragma once
 
 #include <omp.h>
@@ -148,8 +149,10 @@ std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
   std::size_t n = 0;
   for (auto& b : f.moving) {
     if (!b.free) continue;
-    const auto A = b.free->acceleration(b.now.turned, gravity_on(f, b), {before[n].force, before[n].moment}, added[n],
-                                        held_turns(f, b.body));
+    const auto pulled = b.pulled();
+    const auto A = b.free->acceleration(b.now.turned, gravity_on(f, b),
+                                        {before[n].force + pulled.linear, before[n].moment + pulled.turning}, added[n],
+                                        held_components(f, b));
     b.rate.acceleration = A.linear;
     b.rate.angular_acceleration = A.turning;
     ++n;
@@ -178,9 +181,11 @@ void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, 
   std::size_t n = 0;
   for (const auto& b : f.moving) {
     if (!b.free) continue;
+    const auto pulled = b.pulled();
+    const auto held = held_components(f, b);
     for (std::size_t a = 0; a < D; ++a) {
       rate[a][n] = b.rate.velocity[a];
-      rate[D + a][n] = loads[n].force[a] / b.free->mass + gravity_on(f, b)[a];
+      rate[D + a][n] = held[a] ? 0.0 : (loads[n].force[a] + pulled[a]) / b.free->mass + gravity_on(f, b)[a];
     }
     const auto& w = b.rate.angular;
     if constexpr (D == 2) {
@@ -192,7 +197,8 @@ void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, 
       rate[2 * D + 2][n] = 0.5 * (w[1] * q(0) + w[2] * q(1) - w[0] * q(3));
       rate[2 * D + 3][n] = 0.5 * (w[2] * q(0) + w[0] * q(2) - w[1] * q(1));
     }
-    for (std::size_t a = 0; a < turns; ++a) rate[2 * D + angles + a][n] = loads[n].moment[a] / b.spin_scale();
+    for (std::size_t a = 0; a < turns; ++a)
+      rate[2 * D + angles + a][n] = held[D + a] ? 0.0 : (loads[n].moment[a] + pulled[D + a]) / b.spin_scale();
     ++n;
   }
 }

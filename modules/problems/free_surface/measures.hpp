@@ -11,7 +11,7 @@ namespace tetsuame::free_surface {
 struct energies {
   double mass = 0.0;  // kg
   double kinetic = 0.0, potential = 0.0, elastic = 0.0;
-  double bodies = 0.0;   // kinetic and potential, of those that move freely
+  double bodies = 0.0;   // kinetic and potential, of those that move freely, with their springs
   double surface = 0.0;  // of surface tension
   double mechanical() const { return kinetic + potential + elastic + bodies + surface; }
 };
@@ -24,8 +24,17 @@ double energy_of_bodies(const water<D>& f) {
     if (!b.free) continue;
     energy += 0.5 * b.free->mass * foundation::dot(b.rate.velocity, b.rate.velocity);
     energy += 0.5 * foundation::dot(b.free->angular_momentum, b.rate.angular);
-    energy += b.free->mass * f.gravity() * b.rate.centre[1];
+    energy += b.free->mass * f.gravity() * b.rate.centre[1] + b.free->restrained.energy(b.moved());
   }
+  return energy;
+}
+
+// J, of springs at the start.
+template <int D>
+double energy_of_springs_at_start(const water<D>& f) {
+  double energy = 0.0;
+  for (const auto& b : f.moving)
+    if (b.free) energy += b.free->restrained.energy({});
   return energy;
 }
 
