@@ -33,6 +33,7 @@ struct moving_body {
     if constexpr (D == 2) s.turning[0] = turned_by;
     return s;
   }
+  solids::point<D> centre_of_mass() const { return rate.centre + solids::turn<D>(now.turned, free->lever); }  // m
   solids::rigid<D> pulled() const { return free->restrained.force(moved(), {rate.velocity, rate.angular}); }
 
   // Of a free body, the state that is integrated: displacement and velocity of its centre of mass; its angle, or

@@ -267,6 +267,17 @@ rigid<D> free_body<D>::acceleration(const rotation<D>& turned, const point<D>& g
   return a;
 }
 
+// Huygens and Steiner
+template <int D>
+void free_body<D>::hinge(const point<D>& at) {
+  lever = now.pivot - at;
+  now.pivot = at;
+  const double l2 = foundation::dot(lever, lever);
+  for (std::size_t k = 0; k < turns; ++k)
+    for (std::size_t c = 0; c < turns; ++c)
+      inertia[k][c] += mass * ((k == c ? l2 : 0.0) - (D == 3 ? lever[k] * lever[c] : 0.0));
+}
+
 template <int D>
 rate<D> free_body<D>::rate_now() const {
   return {now.pivot + now.shift, (1.0 / mass) * momentum, angular_velocity(now.turned)};

@@ -161,12 +161,17 @@ struct restraint {
 template <int D>
 struct free_body {
   static constexpr std::size_t turns = D == 2 ? 1 : 3;
-  double mass = 1.0;                                  // kg (kg/m in two dimensions)
-  std::array<about<D>, turns> inertia;                // kg m2, about the centre of mass, of the body at rest
-  pose<D> now;                                        // its pivot is the centre of mass
-  point<D> momentum = foundation::zero<double, D>();  // kg m/s
-  about<D> angular_momentum = foundation::zero<double, turns>();  // kg m2/s, about the centre of mass
+  double mass = 1.0;                               // kg (kg/m in two dimensions)
+  std::array<about<D>, turns> inertia;             // kg m2, about the pivot, of the body at rest
+  pose<D> now;                                     // its pivot is the centre of mass, or the hinge that it turns about
+  point<D> lever = foundation::zero<double, D>();  // m, of the centre of mass from the pivot, of the body at rest
+  point<D> momentum = foundation::zero<double, D>();              // kg m/s
+  about<D> angular_momentum = foundation::zero<double, turns>();  // kg m2/s, about the pivot
   restraint<D> restrained;
+
+  // Turns about this point (m) from now on, whose linear components are held.
+  void hinge(const point<D>& at);
+  bool hinged() const { return foundation::dot(lever, lever) > 0.0; }
 
   about<D> angular_velocity(const rotation<D>& turned) const;
   // m/s2 and 1/s2, where the force (N) and the moment (N m, about the centre of mass) are `at_none`, less `added` times

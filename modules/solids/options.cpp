@@ -190,13 +190,10 @@ struct motion_reader {
                  {"amplitude_x", &o.amplitude[0]},
                  {"amplitude_y", &o.amplitude[1]},
                  {"amplitude_z", &o.amplitude[2]},
-                 {"amplitude_angle", &o.amplitude_angle},
-                 {"pivot_x", &o.pivot[0]},
-                 {"pivot_y", &o.pivot[1]},
-                 {"pivot_z", &o.pivot[2]}});
+                 {"amplitude_angle", &o.amplitude_angle}});
     if (dimension == 2)
       expect_none(n, "two-dimensional", {{"gyration_x", &o.gyration[0]}, {"gyration_y", &o.gyration[1]}});
-    free_options f{of(o.density, n), of(o.mass, n), {}, {}, {}};
+    free_options f{of(o.density, n), of(o.mass, n), {}, hinge(n, dimension), {}, {}};
     if ((f.density > 0.0) == (f.mass > 0.0)) fail("density", n, "a free body takes its density or its mass");
     for (std::size_t k = 0; k < 3; ++k) f.gyration[k] = of(o.gyration[k], n);
     if (dimension == 3) expect_inertia(n, f.gyration);
@@ -206,6 +203,17 @@ struct motion_reader {
     else
       f.in_space = restraint_of<3>(o.restraint, n, fail_here);
     return f;
+  }
+  std::optional<point<3>> hinge(std::size_t n, int dimension) const {
+    const auto at = vector_of<3>(o.pivot, n);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (at[k] == 0.0) continue;
+      const auto key = std::string("pivot_") + axes[k];
+      if (of(o.restraint.freedom, n, "all") != "turn") fail(key, n, "of free bodies those of freedom 'turn' have one");
+      if (k == 2 && dimension == 2) fail(key, n, "there is none in two dimensions");
+    }
+    if (norm<3>(at) > 0.0) return at;
+    return {};
   }
   // Radii of gyration about principal axes (m): all or none, and no square of one above the sum of the others',
   // whatever masses lie where.
@@ -271,7 +279,11 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
   declare_axes(schema, "motions", "amplitude", m.amplitude, numbers("m", "of a harmonic displacement"));
   schema.add("motions", "amplitude_angle", m.amplitude_angle,
              numbers("degrees", "of a harmonic rotation about the pivot"));
-  declare_axes(schema, "motions", "pivot", m.pivot, numbers("m", "a point that rotations leave where it is"));
+  declare_axes(
+      schema, "motions", "pivot", m.pivot,
+      numbers("m",
+              "a point that rotations leave where it is; of a free body of freedom 'turn' its hinge, none: its "
+              "centre of mass"));
   declare_axes(schema, "motions", "axis", m.axis, numbers("", "direction of the axis of rotation; none: z"));
   schema.add("motions", "file", m.file,
              files(most_motions, "a table of t (s), x, y, z (m), angle (degrees), by these names or in this order"));

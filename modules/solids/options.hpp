@@ -43,6 +43,7 @@ struct motion_options {
 struct free_options {
   double density = 0.0, mass = 0.0;  // kg/m3, kg (kg/m in two dimensions); one of them is given
   std::array<double, 3> gyration{};  // m, about principal axes; 0: as of one density
+  std::optional<point<3>> hinge;     // m, that it turns about; none: its centre of mass
   restraint<2> in_plane;             // of two dimensions
   restraint<3> in_space;             // of three
 };

@@ -37,7 +37,7 @@ void declare(namelist::schema& schema, std::size_t most, const list_of_numbers& 
               .maximum_size = most,
               .sparse = true,
               .meaning = "how a free body moves: in any way, along these axes without turning, or about its centre of "
-                         "mass alone"});
+                         "mass, or its pivot, alone"});
   const auto add = [&](const char* name, auto& along, auto& turning, const char* unit, const char* of_angle,
                        const char* meaning, double minimum) {
     for (std::size_t k = 0; k < 3; ++k)

@@ -3,6 +3,8 @@
 import math
 import unittest
 
+import numpy as np
+
 from running import BAD_INPUT, Case
 
 # A disc in the air, far above shallow water: nothing but springs, dampers and its weight act on it. 4 kg/m, 0.02 kg m.
@@ -71,6 +73,26 @@ class Restrained(Case):
                         self.assertAlmostEqual(s, about * (1 - math.exp(-damping * t / 2) * turned), delta=5e-5 * abs(about), msg=column)
                 self.assertLess(result.summary["metrics"]["energy_residual"], 1e-4)
 
+    def test_pendulum(self):
+        """A disc that turns about a hinge beside and above it, let go at an angle of 56 degrees: the period of a physical pendulum,
+        4 K(sin(angle/2)) (I/(m g l))^(1/2) by the mean of Gauss, I = m (R^2/2 + l^2)."""
+        g, radius, lever, from_vertical = 9.81, 0.1, math.hypot(0.15, 0.1), math.atan2(0.15, 0.1)
+        result = self.run_text(AIR, {"time.t_end": 1.2}, motions="freedom = 'turn' pivot_x = 0.35 pivot_y = 0.8")
+        columns = self.columns(result)
+        t, angle = columns["time"], columns["angle_1"]
+        lowest = next(n for n in range(1, len(t)) if angle[n + 1] > angle[n])  # on the other side, half a period later
+        mean, other = 1.0, math.cos(from_vertical / 2)
+        for _ in range(6):
+            mean, other = 0.5 * (mean + other), math.sqrt(mean * other)
+        period = 2 * math.pi / mean * math.sqrt((radius**2 / 2 + lever**2) / (g * lever))
+        near = slice(lowest - 4, lowest + 5)  # readings stand at ends of steps, unevenly
+        curvature, slope, _ = np.polyfit([at - t[lowest] for at in t[near]], angle[near], 2)
+        turned = t[lowest] - 0.5 * slope / curvature
+        self.assertAlmostEqual(2 * turned / period, 1, delta=1e-3)
+        self.assertAlmostEqual(angle[lowest] / math.degrees(-2 * from_vertical), 1, delta=1e-3)
+        self.assertEqual(set(columns["motion_1_x"]) | set(columns["motion_1_y"]), {0.0})
+        self.assertLess(result.summary["metrics"]["energy_residual"], 1e-3)
+
     def test_in_three_dimensions(self):
         columns = self.columns(self.run_text(BALL, motions="freedom = 'xz' stiffness_x = 1000 rest_x = 0.02 stiffness_z = 4000 rest_z = -0.03"))
         for t, x, z in zip(columns["time"], columns["motion_1_x"], columns["motion_1_z"]):
@@ -119,6 +141,8 @@ class Restrained(Case):
                 (AIR, "freedom = 'x' stiffness_y = 3", ["&motions stiffness_y", "freedom 'x' does not move so"]),
                 (AIR, "freedom = 'turn' damping_x = 3", ["&motions damping_x", "freedom 'turn'"]),
                 (AIR, "freedom = 'xy' rest_angle = 3", ["&motions rest_angle", "freedom 'xy'"]),
+                (AIR, "pivot_x = 0.3", ["&motions pivot_x", "freedom 'turn'"]),
+                (AIR, "freedom = 'turn' pivot_z = 0.3", ["&motions pivot_z", "two dimensions"]),
                 (AIR, "rest_x = 0.1", ["&motions rest_x", "belongs to a spring: stiffness_x"]),
                 (AIR, "stiffness_z = 1", ["&motions stiffness_z", "two dimensions"]),
                 (AIR, "stiffness_x = -1", ["&motions stiffness_x"]),

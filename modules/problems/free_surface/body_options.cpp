@@ -88,6 +88,7 @@ solids::free_body<D> free_body_of(const options& o, const solids::body<D>& of, c
     b.restrained = how.in_plane;
   else
     b.restrained = how.in_space;
+  if (how.hinge) b.hinge(solids::point<D>::of([&](std::size_t a) { return (*how.hinge)[a]; }));
   return b;
 }
 

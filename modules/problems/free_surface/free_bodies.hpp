@@ -128,8 +128,18 @@ std::vector<solids::rigid_matrix<D>> find_added_masses(water<D>& f) {
 template <int D>
 solids::point<D> gravity_on(const water<D>& f, const moving_body<D>& b) {
   point x{};
-  for (std::size_t a = 0; a < D; ++a) x[a] = b.rate.centre[a];
+  const auto centre = b.centre_of_mass();
+  for (std::size_t a = 0; a < D; ++a) x[a] = centre[a];
   return solids::point<D>::of([&](std::size_t a) { return f.world.w.g[a] + f.sources.force_at(a, x); });
+}
+
+// N, and N m about its pivot, of springs, dampers and of the weight about a hinge.
+template <int D>
+solids::rigid<D> pulls_on(const water<D>& f, const moving_body<D>& b) {
+  auto all = b.pulled();
+  if (b.free->hinged())
+    all.turning += solids::moment<D>(b.centre_of_mass() - b.rate.centre, b.free->mass * gravity_on(f, b));
+  return all;
 }
 
 // Collective, after the water's sums, for which free bodies had no acceleration but that of their spin: their
@@ -149,7 +159,7 @@ std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
   std::size_t n = 0;
   for (auto& b : f.moving) {
     if (!b.free) continue;
-    const auto pulled = b.pulled();
+    const auto pulled = pulls_on(f, b);
     const auto A = b.free->acceleration(b.now.turned, gravity_on(f, b),
                                         {before[n].force + pulled.linear, before[n].moment + pulled.turning}, added[n],
                                         held_components(f, b));
@@ -181,7 +191,7 @@ void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, 
   std::size_t n = 0;
   for (const auto& b : f.moving) {
     if (!b.free) continue;
-    const auto pulled = b.pulled();
+    const auto pulled = pulls_on(f, b);
     const auto held = held_components(f, b);
     for (std::size_t a = 0; a < D; ++a) {
       rate[a][n] = b.rate.velocity[a];

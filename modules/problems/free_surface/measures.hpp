@@ -24,7 +24,7 @@ double energy_of_bodies(const water<D>& f) {
     if (!b.free) continue;
     energy += 0.5 * b.free->mass * foundation::dot(b.rate.velocity, b.rate.velocity);
     energy += 0.5 * foundation::dot(b.free->angular_momentum, b.rate.angular);
-    energy += b.free->mass * f.gravity() * b.rate.centre[1] + b.free->restrained.energy(b.moved());
+    energy += b.free->mass * f.gravity() * b.centre_of_mass()[1] + b.free->restrained.energy(b.moved());
   }
   return energy;
 }
@@ -63,7 +63,7 @@ solids::point<D> momentum_of(const water<D>& f) {
   const auto total = f.ranks().exact(std::span(sums));
   auto all = solids::point<D>::of([&](std::size_t a) { return total[a]; });
   for (const auto& b : f.moving)
-    if (b.free) all += b.free->mass * b.rate.velocity;
+    if (b.free) all += b.free->mass * b.rate.at(b.centre_of_mass());
   return all;
 }
 
