@@ -102,7 +102,7 @@ class Restrained(Case):
 
     def test_added_mass(self):
         """Potential flow about a cylinder in the middle of this tank, by boundary elements (1000 panels a side): added mass 1.0944 along y and
-        1.1602 along x, over the water displaced; far from walls it is 1. Measured within 1 % of the period, 3 % of that mass, at 4 to 8
+        1.1602 along x, over the water displaced; far from walls it is 1. Measured within 1 % of the period, 3 to 4 % of that mass, at 4 to 8
         spacings a radius (docs/theory/free_bodies.md)."""
         displaced = math.pi * 0.12**2 * 1000
         for axis, added in (("x", 1.1602), ("y", 1.0944)):
