@@ -112,6 +112,27 @@ BOOST_AUTO_TEST_CASE(laplace_pressure_of_a_ball) {
   BOOST_TEST(surface_energy(*scene.f) == sigma * 4.0 * std::numbers::pi * std::pow(drop.radius, 2), tt::tolerance(0.1));
 }
 
+// Places off by 0.1 Δx at most make normals of some hundredths of 1/h deep in the water, which are no surface: there is
+// no force, by which the pressure would not even them out. Six rows within, beside the largest force on the surface.
+BOOST_AUTO_TEST_CASE(disorder_within_is_no_surface) {
+  scene<2> scene("&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 jitter = 0.1 / "
+                 "&flow low_x = 0.5 high_x = 1.5 low_y = 0.5 high_y = 1.5 gravity = 0.0 sound_speed = 20.0 "
+                 "surface_tension = 0.5 / &time t_end = 1.0 /");
+  scene.rates();
+  const auto& s = scene.particles();
+  const auto& force = scene.f->tension;
+  double deep = 0.0, most = 0.0, normal = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double size = std::hypot(force[0][i], force[1][i]);
+    const bool within = std::max(std::abs(s.x[0][i] - 1.0), std::abs(s.x[1][i] - 1.0)) < 0.2;
+    (within ? deep : most) = std::max(within ? deep : most, size);
+    if (within) normal = std::max(normal, length_of<2>(scene.f->normal_within, i) * scene.f->p.smoothing_length);
+  }
+  const auto& ranks = scene.f->ranks();
+  BOOST_TEST(ranks.maximum(normal) > 0.01);
+  BOOST_TEST(ranks.maximum(deep) < 0.02 * ranks.maximum(most));
+}
+
 // Numbers by hand.
 BOOST_AUTO_TEST_CASE(periods) {
   // Without viscosity; with hardly any, where the part of the layer under the surface is 0.6 per cent at z = 270.

@@ -183,7 +183,7 @@ class flow : public run::particle_simulation<D> {
 
   bool complete_step(std::int64_t step) override {
     bool changed = base::complete_step(step);
-    if (f_.o.flow.shifting > 0.0) {
+    if (f_.p.shifting > 0.0) {
       arrange(f_, last_step_);
       changed = true;
       base::complete_step(step);  // a drift ends at a wall

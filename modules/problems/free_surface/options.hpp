@@ -45,7 +45,7 @@ struct flow_options {
   std::optional<double> sound_speed = {};                // m/s
   double viscosity = 0.0;                                // Pa s
   double alpha = 0.02, delta = 0.1;                      // of artificial viscosity, of the density's diffusion
-  double shifting = 2.0;                                 // 0: none
+  std::optional<double> shifting = {};                   // 0: none
   double surface_tension = 0.0;                          // N/m, of the free surface
   double wavelength = 0.0, amplitude = 0.0;              // m, of a standing wave
   double strain_rate = 0.0;                              // 1/s, of a drop
@@ -122,6 +122,7 @@ struct parameters {
   scheme by = scheme::delta;
   double kinematic_viscosity = 0.0;  // m2/s, physical and artificial
   double density_diffusivity = 0.0;  // m2/s
+  double shifting = 0.0;
   references measured;
   // Of the box's dimension.
   std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;

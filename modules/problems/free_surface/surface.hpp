@@ -105,7 +105,7 @@ void slacken(water<D>& f, double dt) {
 template <int D>
 void shift(water<D>& f, double dt) {
   auto& s = f.world.w.s;
-  const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
+  const double size = f.p.shifting * f.p.smoothing_length * dt;
   std::vector<solids::point<D>> before;
   for (const std::uint32_t i : f.beside_bodies) before.push_back(of_solids<D>(f.place(i)));
   foundation::for_all(s.fluid, [&](std::size_t i) {

@@ -5,15 +5,25 @@
 //
 // Curvature by the normals of its neighbours, of G smoothed once, g_i = Σ_j V_j W_ij G_j, i among them, n = g/|g|:
 //   κ_i = (D-1) Σ_j V_j F_ij g_j·t_ij / Σ_j V_j F_ij |g_j| t_ij²,   t_ij = x_ij - (x_ij·n_i) n_i
-// on a sphere exactly that of the neighbours' own distances from its centre. Its mean over V W |g| is what pulls.
+// on a sphere exactly that of the neighbours' own distances from its centre. Its mean over V W ψ |g| is what pulls, and
+// ψ_i of it: ψ = 1 at the surface, 0 deep in the water, where G is but disorder, which pressure is to even out.
 #pragma once
 
+#include <algorithm>
 #include <free_surface/sums.hpp>
 
 namespace tetsuame::free_surface {
 
 // ε: G and g below ε/h are none [after J. P. Morris, Int. J. Numer. Methods Fluids 33, 333 (2000)].
 inline constexpr double least_normal = 0.05;
+// ψ is 1 from |g| = this/h on. The two outermost rows of a lattice have 0.34 and 0.21; places off by 0.1 Δx make 0.03.
+inline constexpr double whole_normal = 0.15;
+
+// ψ, of |g| h: a cubic from 0 at least_normal to 1, without a step in its slope.
+inline double surface_part(double g_h) {
+  const double u = std::clamp((g_h - least_normal) / (whole_normal - least_normal), 0.0, 1.0);
+  return u * u * (3.0 - 2.0 * u);
+}
 
 inline constexpr schemes::field<struct inward_tag> of_inward;
 inline constexpr schemes::field<struct curvature_tag> of_curvature;
@@ -84,12 +94,12 @@ struct curvature {
   }
 };
 
-// The force, by the mean of κ over |g|.
+// The force, by the mean of κ over ψ |g|.
 template <int D>
 struct tension {
-  const double *V, *kappa, *length;  // m^D, 1/m, 1/m (|g|)
+  const double *V, *kappa, *length;  // m^D, 1/m, 1/m (ψ |g|)
   double W0;                         // 1/m^D, W(0)
-  std::array<const double*, D> G;    // 1/m
+  std::array<const double*, D> G;    // 1/m, ψ G
   double sigma;                      // N/m
   std::array<double*, D> force;      // N
 
@@ -143,8 +153,9 @@ void find_tension(water<D>& f) {
   w.sum(clusters_where(w, true, has_inward), smoothed_inward<D>{s.dV.data(), W0, G, f.normal_within.data()});
   share_vectors<D>(f, f.normal_within);
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    const double length = length_of<D>(f.normal_within, i);
-    f.surface_weight[i] = length < least ? 0.0 : length;
+    const double length = length_of<D>(f.normal_within, i), part = surface_part(length * f.p.smoothing_length);
+    f.surface_weight[i] = part * length;
+    for (std::size_t a = 0; a < D; ++a) f.inward[a][i] *= part;
   });
   w.sum(clusters_where(w, false, [&](std::size_t i) { return f.surface_weight[i] > 0.0; }),
         curvature<D>{s.dV.data(), f.normal_within.read(), least, (D - 1.0) / f.dx(), f.curvature.data()});
