@@ -117,7 +117,8 @@ BOOST_AUTO_TEST_CASE(laplace_pressure_of_a_ball) {
 BOOST_AUTO_TEST_CASE(disorder_within_is_no_surface) {
   scene<2> scene("&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 jitter = 0.1 / "
                  "&flow low_x = 0.5 high_x = 1.5 low_y = 0.5 high_y = 1.5 gravity = 0.0 sound_speed = 20.0 "
-                 "surface_tension = 0.5 / &time t_end = 1.0 /");
+                 "surface_tension = 0.5 / &time t_end = 1.0 /" +
+                 narrow);
   scene.rates();
   const auto& s = scene.particles();
   const auto& force = scene.f->tension;
