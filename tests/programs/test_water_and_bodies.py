@@ -71,6 +71,15 @@ ENTRY = """&domain length_x = 1.0 length_y = 0.7 particles_x = 40 particles_y = 
 &time t_end = 0.16 /
 &output interval = 0 history_interval = 1 /
 """
+HEAVE = """&domain length_x = 2.0 length_y = 0.55 particles_x = 200 particles_y = 55 periodic_x = .true. /
+&flow high_y = 0.4 around_bodies = .true. alpha = 0.002 /
+&solids body = 'cylinder' shape = 'sphere' centre_x = 1.0 centre_y = 0.42 radius = 0.1 /
+&motions body = 'cylinder' kind = 'free' density = 500 /
+&gauges interval = 0.005 motion = 'cylinder' /
+&walls slip_top = 'free_surface' /
+&time t_end = 0.8 /
+&output interval = 0 /
+"""
 
 
 class Bodies(Case):
@@ -98,6 +107,20 @@ class Bodies(Case):
         self.assertEqual((g["motion_1_y"][-1], g["motion_1_x"][-1], g["angle_1"][-1]), (0.5, 0.0, 0.0))
         self.assertEqual((g["force_1_x"][-1], g["force_1_y"][-1], g["moment_1"][-1]), (0.0, 0.0, 0.0))
         self.assertGreater(g["front"][-1], 1.0)
+
+    def test_heave(self):
+        """A cylinder of half the water's density, ten spacings a radius, let go a fifth of its radius above its draught, beside linear theory in this
+        tank: boundary elements in time, half a period of which the waves of its walls come back in."""
+        path = self.here / "heave.nml"
+        path.write_text(HEAVE)
+        g = self.columns(self.run_program("flow", path))
+        y, t = [1 + y / 0.02 for y in g["motion_1_y"]], g["time"]
+        crossings = [t[k] - y[k] * (t[k + 1] - t[k]) / (y[k + 1] - y[k]) for k in range(len(y) - 1) if y[k] * y[k + 1] < 0]
+        self.assertEqual(len(crossings), 2)
+        for found, theory in zip(crossings, (0.213, 0.563)):
+            self.assertLess(abs(found / theory - 1), 0.03)
+        self.assertAlmostEqual(min(y), -0.572, delta=0.06)  # eight spacings a radius have -0.64, 0.39
+        self.assertAlmostEqual(max(y[len(y) // 2:]), 0.380, delta=0.04)
 
     def test_floats(self):
         """A second at the depth of Archimedes, its weight carried."""
