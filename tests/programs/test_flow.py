@@ -4,6 +4,7 @@ import csv
 import math
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -243,6 +244,16 @@ class Flow(Case):
         self.assertLess(max(kinetic[len(kinetic) // 4:]), 2 * kinetic[0])
         m = result.summary["metrics"]
         self.assertLess(abs(m["oscillation_period"] / m["oscillation_period_theory"] - 1), 0.05)
+
+    def test_kernel_of_tension(self):
+        """Drops grow on the default kernel, so that with tension it is another, unless one is given."""
+        def kernel(*words):
+            said = self.call("flow", INPUTS / "oscillating_drop.nml", *(w for s in words for w in ("--set", s)), "--check").stdout
+            return re.search(r"&kernel\s+name = '(\w+)'\s+h_over_dx = (\S+)", said).groups()
+        self.assertEqual(kernel(), ("wendland_c2", "1.5"))
+        self.assertEqual(kernel("flow.surface_tension=0", "flow.sound_speed=3"), ("quintic", "1.25"))
+        self.assertEqual(kernel("kernel.h_over_dx=2"), ("wendland_c2", "2"))
+        self.assertEqual(kernel("kernel.name=quintic"), ("quintic", "1.25"))
 
     def test_capillary_wave(self):
         """24 particles a length of 1 cm, where surface tension pulls with three times the weight. Its force stands 0.65 spacings beneath the

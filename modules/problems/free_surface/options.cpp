@@ -70,9 +70,12 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
               .meaning = "of the water at zero pressure, some ten times its largest speed; not given: by "
                          "sound_factor, without gravity by surface_tension, too"});
   schema.add("flow", "viscosity", o.viscosity, {.unit = "Pa s", .minimum = 0.0, .meaning = "of the water"});
-  schema.add(
-      "flow", "surface_tension", o.surface_tension,
-      {.unit = "N/m", .minimum = 0.0, .expert = true, .meaning = "of the free surface; walls are at 90 degrees to it"});
+  schema.add("flow", "surface_tension", o.surface_tension,
+             {.unit = "N/m",
+              .minimum = 0.0,
+              .expert = true,
+              .meaning = "of the free surface; walls are at 90 degrees to it. With it the kernel that is not given is "
+                         "'wendland_c2' with h_over_dx = 1.5"});
   schema.add("flow", "alpha", o.alpha, for_expert(between(0.0, 1.0, "scheme = 'delta': of the artificial viscosity")));
   schema.add("flow", "delta", o.delta, for_expert(between(0.0, 1.0, "scheme = 'delta': of the density's diffusion")));
   schema.add("flow", "shifting", o.shifting,
@@ -320,6 +323,11 @@ void declare(namelist::schema& schema, options& o) {
 }
 
 parameters resolve(const namelist::schema& schema, options& o) {
+  // Drops under tension grow on the kernel of still water (docs/studies/2026-11-27_surface_tension_with_an_energy.md).
+  if (o.flow.surface_tension > 0.0 && !schema.given("kernel", "name")) {
+    o.common.kernel.name = "wendland_c2";
+    if (!schema.given("kernel", "h_over_dx")) o.common.kernel.h_over_dx = 1.5;
+  }
   run::resolve(schema, o.common);
   domain::resolve(schema, demands, o.domain);
   run::check_output(schema, o.common, o.domain, {"Volume", "FreeSurface"});
