@@ -14,16 +14,17 @@ void declare_transport(namelist::schema& schema, shock_options& s) {
     return namelist::key_info{.unit = unit, .minimum = 0.0, .meaning = meaning};
   };
   schema.add("shock", "viscosity", m.viscosity,
-             from_zero("Pa s",
-                       "mu of the gas itself, beside what a scheme has of dissipation; the stress is mu (grad v + its "
-                       "transpose - 2/3 div v) + bulk_viscosity div v; walls are free of it"));
+             for_expert(from_zero(
+                 "Pa s",
+                 "mu of the gas itself, beside what a scheme has of dissipation; the stress is mu (grad v + its "
+                 "transpose - 2/3 div v) + bulk_viscosity div v; walls are free of it")));
   schema.add("shock", "bulk_viscosity", m.bulk_viscosity,
              for_expert(from_zero("Pa s", "of the gas itself; 5/3 of the viscosity at most")));
   schema.add("shock", "heat_conductivity", m.heat_conductivity,
-             from_zero("W/(m K)", "of the gas itself, of one ideal or stiffened gas with a heat_capacity"));
-  schema.add(
-      "shock", "heat_capacity", s.heat_capacity,
-      positive("J/(kg K)", "at constant volume: heat_conductivity is of T = (u - p_infinity/rho)/heat_capacity"));
+             for_expert(from_zero("W/(m K)", "of the gas itself, of one ideal or stiffened gas with a heat_capacity")));
+  schema.add("shock", "heat_capacity", s.heat_capacity,
+             for_expert(positive(
+                 "J/(kg K)", "at constant volume: heat_conductivity is of T = (u - p_infinity/rho)/heat_capacity")));
 }
 
 namespace {

@@ -1,6 +1,7 @@
 """The command line: a command's name, and what that command takes."""
 import argparse
 import importlib
+import os
 import signal
 import sys
 from pathlib import Path
@@ -55,6 +56,8 @@ def main(arguments: list[str]) -> int:
         status, said = FAILED, "the memory is not enough"
     except OSError as problem:
         status, said = FILE_FAILED, f"{problem.filename or 'what is said here'}: {problem.strerror}"
+        if not problem.filename:  # what is left of it is not to fail once more at the exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     print(f"{CALLED.get(command, f'tetsuame {command}')}: {said}", file=sys.stderr)
     return status
 
