@@ -33,7 +33,7 @@ class fit {
 
  private:
   struct cut {
-    bool any;               // the surface goes through the cell, not too inclined
+    bool any;               // the surface goes through the cell, along the lattice
     point<D> at, normal;    // m
     double width, too_few;  // m: w_c, s_c
   };
