@@ -76,11 +76,16 @@ struct remix {
     const auto v_i = change(ij.own(of_grad_v)), v_j = change(ij(of_grad_v));
     const real part = 0.5 * close * slope_part(real(dot(v_i, x)), real(dot(v_j, x)));
     const vec<real, D> w = v - (part * (1.0 - B_i)) * v_i - (part * (1.0 - B_j)) * v_j;
-    const auto middle = [&](const real& difference, const real& d_i, const real& d_j) {
-      return real(difference - 0.5 * close * slope_part(d_i, d_j) * (d_i + d_j));
+    // ã_i - ã_j. Where a slope would take a positive value of one end to zero or below, the pair has no slopes.
+    const auto middle = [&](const real& a_i, const real& a_j, const real& d_i, const real& d_j) {
+      const real half = 0.5 * close * slope_part(d_i, d_j), at_i = a_i - half * d_i, at_j = a_j + half * d_j;
+      real difference = (a_i - a_j) - half * (d_i + d_j);
+      where((a_i > 0.0 && at_i <= 0.0) || (a_j > 0.0 && at_j <= 0.0), difference) = a_i - a_j;
+      return difference;
     };
-    const real u_ij = middle(ij.difference(of_energy), along(ij.own(of_grad_p)), along(ij(of_grad_p)));
-    const real rho_ij = middle(ij.difference(of_density), along(ij.own(of_grad_rho)), along(ij(of_grad_rho)));
+    const real u_ij = middle(ij.own(of_energy), ij(of_energy), along(ij.own(of_grad_p)), along(ij(of_grad_p)));
+    const real rho_i = ij.own(of_density), rho_j = ij(of_density);
+    const real rho_ij = middle(rho_i, rho_j, along(ij.own(of_grad_rho)), along(ij(of_grad_rho)));
 
     const real w_x = dot(w, x), r2 = ij.r * ij.r;
     const auto closing = [&](const real& per_h) {
@@ -90,7 +95,6 @@ struct remix {
     const auto viscous = [](const real& B, const real& rho, const real& c, const real& mu) {
       return real((1.0 / 3.0 + B / 6.0) * rho * mu * (3.0 * mu - 1.5 * c));
     };
-    const real rho_i = ij.own(of_density), rho_j = ij(of_density);
     const real P_i = ij.own(of_pressure) + viscous(B_i, rho_i, ij.own(of_sound), mu_i);
     const real P_j = ij(of_pressure) + viscous(B_j, rho_j, ij(of_sound), mu_j);
 

@@ -215,6 +215,14 @@ class Shock(Case):
         s = self.summary("sod", {**tube, "shock.scheme": "disph"})
         self.assertGreater(s["errors"]["density_l1"], 3 * least["density_l1"])
 
+    def test_remix_beside_a_vacuum(self):
+        """Pressures 1 and 1e-5, particles of equal mass: slopes that made an energy below zero took the step to 1e-20 s."""
+        coarse, fine = (self.summary("sod", {"shock.scheme": "remix", "shock.p_r": 1e-5, "domain.particles_x": n}) for n in (100, 200))
+        self.assertLess(fine["steps"], 400)
+        self.assertLess(abs(fine["conservation"]["energy"]), 1e-4)
+        for norm in ("density_l1", "velocity_l1", "pressure_l1"):
+            self.assertLess(fine["errors"][norm], 0.7 * coarse["errors"][norm], norm)
+
     def test_power_of_the_pressure(self):
         """In Sod's tube, whose halves meet elsewhere, better than with the energy; the contact of equal masses is held."""
         tube = {"domain.particles_x": 100, "shock.middle": 0.4, "time.t_end": 0.15}
