@@ -65,6 +65,8 @@ CASES = {
                             60, 8.0, t_end=0.4),
     "dam_break_martin_moyce": Case("dam_break_martin_moyce", "columns", "the front of a column of 114 mm", 0.1143, (2.5, 1.0), (20, 40, 80),
                                    (20, 40), 40, 0.8, t_end=0.19),
+    "dam_break_square_column": Case("dam_break_square_column", "columns", "the front of a square column of 57 mm", 0.05715, (8.0, 1.0),
+                                    (20, 40), (20,), 40, 9.0, t_end=0.26),
     "dam_break_box": Case("dam_break_box", "box", "a tank of 3.22 m with a box on its floor, in three dimensions", 1.0, (3.22, 1.0, 1.0),
                           (25, 50), (25,), 50, 560.0, ("output.interval=0.05",), 1.0, ((25, False, 4.0),)),
     "sloshing": Case("sloshing", "bodies", "a tank that is pushed", 0.4, (4.0, 2.0), (10, 20), (10,), 20, 32.0, ("output.interval=0",), 8.0),
@@ -77,7 +79,7 @@ CASES = {
     "dam_break_building": Case("dam_break_building", "building", "a dam break through a building", 0.12, (30.0, 12.0, 10.0), (3,), (3,), 3, 170.0,
                                t_end=1.6, ends=((3, True, 0.4),)),
 }
-FRONTS = {"dam_break_front": "Lobovský", "dam_break_martin_moyce": "Martin and Moyce"}
+FRONTS = {"dam_break_front": "Lobovský", "dam_break_martin_moyce": "Martin and Moyce, n² = 2", "dam_break_square_column": "Martin and Moyce, n² = 1"}
 LONG = (("dam_break_box", 50, 4.0), ("dam_break_box", 100, 1.0), ("stl_tank", 20, 115.0))
 KEPT = ("pressure_", "height_", "front_", "period", "energy_decay", "semi_axis", "kinetic_", "hydrostatic_", "particles_put_back")  # of metrics
 
@@ -217,7 +219,7 @@ def waves(done: list[Outcome], _runs: list[dict], folder: Path) -> str:
 
 
 def columns(done: list[Outcome], _runs: list[dict], folder: Path) -> str:
-    impact, fronts = figures.of_case(done, "dam_break_2d"), figures.of_case(done, "dam_break_front", "dam_break_martin_moyce")
+    impact, fronts = figures.of_case(done, "dam_break_2d"), figures.of_case(done, *FRONTS)
     return pages.section("Columns of water that fall", pages.figure(
         figures.pressures(impact, 4), folder / "impact.png",
         "Pressures on the wall ahead, and below them their integrals over time, that is impulses (black: measured [Lobovský et al. 2014]). "

@@ -71,7 +71,7 @@ QUESTIONS = (
 
 # Errors over resolution, of those that are no yes or no.
 QUANTITIES = {"standing_wave": ("period", "decay of energy"), "elliptical_drop": ("longer semi-axis", "energy"),
-              "dam_break_front": ("front",), "dam_break_martin_moyce": ("front",),
+              "dam_break_front": ("front",), "dam_break_martin_moyce": ("front",), "dam_break_square_column": ("front",),
               "dam_break_2d": tuple(f"{what} {k}" for what in ("arrival", "impulse") for k in (1, 2, 3, 4)),
               "dam_break_box": tuple(f"{what} P{k}" for what in ("arrival", "impulse") for k in (1, 2)),  # depths: until other times
               "sloshing": ("period", "weight")}
@@ -83,7 +83,7 @@ def errors(one: dict) -> dict[str, float | None]:
         return {"period": against("period", "_theory")(one), "decay of energy": against("energy_decay", "_theory")(one)}
     if case == "elliptical_drop":
         return {"longer semi-axis": semi_axis(one), "energy": one["energy"]}
-    if case in ("dam_break_front", "dam_break_martin_moyce"):
+    if case in ("dam_break_front", "dam_break_martin_moyce", "dam_break_square_column"):
         return {"front": metric(one, "front_rms_over_height")}
     if case == "sloshing":
         return {"period": against("slosh_period", "_theory")(one), "weight": against("weight", "_theory")(one)}
