@@ -8,10 +8,16 @@
 #include <liquid/rates.hpp>
 #include <run/passes.hpp>
 #include <volume/hosono_iteration.hpp>
+#include <walls/slip_continuity.hpp>
 
 #define TETSUAME_LIQUID_FORCES(where, D, form)                                                                   \
   where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
                                                                                 const pairs::row_range&, bool)
+
+#define TETSUAME_SLIP(where, D, form)                                                                       \
+  where template void tetsuame::walls::add_continuity_of_slip<D, tetsuame::gradient::form<D>>(              \
+      const pairs::workspace<D>&, const wall_set<D>&, particles::vector_field<D>&, const particles::array&, \
+      particles::array&)
 
 // What walls with markers do with the fluid about these, in D dimensions: fields at the markers, and the fluid's
 // acceleration. where: extern, it is elsewhere; nothing: here.
@@ -24,7 +30,9 @@
   where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&,   \
                                                                         const volume::weight_sum<D, false>&); \
   where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&,   \
-                                                                        const volume::weight_sum<D, true>&)
+                                                                        const volume::weight_sum<D, true>&);  \
+  TETSUAME_SLIP(where, D, continuity);                                                                        \
+  TETSUAME_SLIP(where, D, own_continuity)
 
 // Volumes, and the forces with a gradient, in the same way.
 #define TETSUAME_LIQUID_PASSES(where, D)                                                                               \
