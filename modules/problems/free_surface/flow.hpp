@@ -283,14 +283,16 @@ class flow : public run::particle_simulation<D> {
     const energies now = energies_of(f_);
     using counted = passed_through<D>;
     const double passed = f_.entered[counted::mass] - f_.left[counted::mass];
-    r.conservation = {{"mass", (now.mass - passed) / first_->mass - 1.0}, {"energy", energy_change(now)}};
+    const double change = energy_change(now);
+    // What drives the zones of inflow and outflow is not counted.
+    r.conservation = {{"mass", (now.mass - passed) / first_->mass - 1.0},
+                      {"energy", run::or_null(f_.has_openings ? std::nullopt : std::optional(change))}};
     auto& m = r.metrics;
     // The water's energy falls by friction; what it gains while nobody works on it is made by the sums.
     const bool all_free = std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); });
-    // What drives the zones of inflow and outflow is not counted.
     const bool work_is_known =
         !f_.has_openings && (works_alone() || (f_.sources.force() ? f_.moving.empty() : all_free));
-    if (work_is_known) m["energy_residual"] = std::max(0.0, energy_change(now));
+    if (work_is_known) m["energy_residual"] = std::max(0.0, change);
     m["start"] = f_.o.flow.start;
     m["sound_speed"] = f_.p.water.sound;
     m["kinetic_energy_largest"] = kinetic_most_;
@@ -415,8 +417,7 @@ class flow : public run::particle_simulation<D> {
     const double weight = now.mass * f_.gravity() * f_.p.height;
     const double scale =
         (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface + energy_of_springs_at_start(f_);
-    double supplied =
-        f_.sources.work_of_forces() + f_.entered[passed_through<D>::energy] - f_.left[passed_through<D>::energy];
+    double supplied = f_.sources.work_of_forces();
     if (works_alone()) {
       const auto work = count_of(f_).work;
       supplied += work[0] + work[1] + f_.counted.energy;
