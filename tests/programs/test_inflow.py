@@ -107,6 +107,13 @@ class InflowOutflow(Case):
         self.assert_mass_is_known(s)
         self.assertGreater(s["metrics"]["force_1_x_impulse"], 0.0)
 
+    def test_same_on_ranks_with_two_inflows(self):
+        """Groups that stand twice, one of them in the lid, with pairs in single precision."""
+        path = self.channel(t_end=0.1, outflow="level = 0.1", more="&inflow side = 'top' low_x = 0.2 high_x = 0.3 velocity = 0.4 /\n"
+                            "&kernel precision = 'single' /")
+        s = self.assert_exact("flow", path, {}, 30, [(3, 1)])
+        self.assert_mass_is_known(s)
+
     def test_jet_from_above(self):
         """Water that falls through a hole of the lid from a thin layer: as much as its velocity brings, and as fast as it has fallen."""
         text = CHANNEL.format(**{**PLAIN, "t_end": 0.25}).replace("&outflow side = 'right'  /", "").replace("high_y = 0.1  /", "high_y = 0.03 /", 1)
