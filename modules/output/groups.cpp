@@ -36,6 +36,7 @@ constexpr std::array quantities{
     quantity{"Concentration", "1", "of the element, amount for each mass"},
     quantity{"MeltFraction", "1", "liquid part of what melts; 0 in the metal"},
     quantity{"FreeSurface", "1", "1 on the free surface of water, 0 within"},
+    quantity{"Zone", "1", "number of the inflow in whose zone it is, -1, -2, ... of outflows; 0: it moves by itself"},
     quantity{"Displacement", "m", "position less start position", true},
     quantity{"DensityReference", "kg/m^3", "mass density of the exact solution here, or of the start at rest"},
     quantity{"PressureReference", "Pa", "pressure of the exact solution here"},

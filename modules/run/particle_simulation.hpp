@@ -166,6 +166,7 @@ class particle_simulation : public simulation {
     if (due) set_skin(box, skin_for(wanted));
     ready.longest = {longest_within(allowance()), "displacement"};
     ready.arrays_moved = renew(due, next.step, next.steps_left);
+    ready.number_changed = std::exchange(number_changed_, false);
     if (!(next.time + 1e-3 * ready.longest.dt > next.time))
       foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
     return ready;
@@ -286,6 +287,9 @@ class particle_simulation : public simulation {
   virtual std::vector<output::history_column> measured_columns() const = 0;
   virtual std::vector<double> measure(double time) = 0;
   virtual bool steady() const { return false; }  // after measure()
+  // Collective, before lists of present places are made: particles that enter the box and leave it. Ghosts may be gone
+  // afterwards. Whether there were any, on any rank.
+  virtual bool let_particles_pass() { return false; }
   // What has changed, where the problem goes on with other particles or sums; lists are made anew then.
   virtual std::string refine_particles(double /*time*/) { return {}; }
   virtual std::vector<output::particle_group> particle_groups(std::vector<particles::array>& made) = 0;
@@ -345,6 +349,7 @@ class particle_simulation : public simulation {
     const bool moves = verdict && verdict->decision.move;
     if (lists_are_due || moves) {
       const foundation::stage timed(box.w.times, moves ? "balance" : "lists");
+      if (lists_are_due) number_changed_ = let_particles_pass();
       const auto had = static_cast<std::int64_t>(box.w.s.fluid);
       const std::int64_t leaving = moves ? balancer.leaving(box, lists_are_due) : 0;
       make_lists(!lists_are_due);
@@ -565,7 +570,7 @@ class particle_simulation : public simulation {
   output::history* balance_table_ = nullptr;
   std::int64_t put_back_ = 0;    // inside the walls and out of bodies, on this rank
   double density_excess_ = 0.0;  // the largest so far, on all ranks; 0: none was noted
-  bool has_lists_ = false, has_tables_ = false;
+  bool has_lists_ = false, has_tables_ = false, number_changed_ = false;
   evaluation evaluating_{};
 };
 

@@ -124,6 +124,7 @@ struct step_ahead {
 };
 struct step_preparation {
   bool arrays_moved = false;
+  bool number_changed = false;                                                   // of particles, on any rank
   integrators::step_limit longest{std::numeric_limits<double>::infinity(), ""};  // s, whatever the method
   std::string warning{};                                                         // of steps of dt; empty: none
 };

@@ -96,8 +96,8 @@ void make_room(particles::particles<D>& s, std::size_t number) {
   });
 }
 
-// The fluid of these lattices in this rank's cell, at rest, without what is_there(place) leaves out. IDs are those of
-// the whole lattices.
+// The fluid of these lattices in this rank's cell, at rest, without what is_there(place, number of the lattice) leaves
+// out, or is_there(place). IDs are those of the whole lattices.
 template <int D, class IsThere>
 void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lattices, double jitter,
                     const IsThere& is_there) {
@@ -105,9 +105,15 @@ void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lat
   std::vector<std::array<double, D>> places;
   std::vector<std::int64_t> ids;
   box.fluid_total = 0;
-  for (const auto& lattice : lattices) {
-    detail::find_own<D>(box, lattice, jitter, is_there, places, ids);
-    box.fluid_total += lattice.particles();
+  for (std::size_t n = 0; n < lattices.size(); ++n) {
+    const auto is_here = [&](const std::array<double, D>& x) {
+      if constexpr (std::is_invocable_v<IsThere, const std::array<double, D>&, std::size_t>)
+        return is_there(x, n);
+      else
+        return is_there(x);
+    };
+    detail::find_own<D>(box, lattices[n], jitter, is_here, places, ids);
+    box.fluid_total += lattices[n].particles();
   }
   make_room(s, places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {

@@ -135,6 +135,7 @@ struct loop {
     if (!prepared.arrays_moved) return;
     const auto arrays = p.arrays();
     integrator->resize(arrays.fields, arrays.size);
+    if (prepared.number_changed) count_values_anew();
   }
 
   // With the simulation's new arrays, at the same time; the integrator's counts go on.
@@ -143,8 +144,7 @@ struct loop {
     const std::string change = p.refine(integrator->time());
     if (change.empty()) return;
     const auto before = integrator->save();
-    coarser_updates = updates();
-    coarser_evaluations = before.statistics.evaluations;
+    end_counting_updates();
     make_integrator();
     bound = {0.0, {}};
     integrators::explicit_memory fresh;
@@ -158,6 +158,15 @@ struct loop {
     warn_about_step();
   }
   void count_values() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.arrays().size)); }
+  // What was counted so far is of as many as there were.
+  void end_counting_updates() {
+    coarser_updates = updates();
+    coarser_evaluations = integrator->statistics().evaluations;
+  }
+  void count_values_anew() {
+    end_counting_updates();
+    count_values();
+  }
   double updates() const {
     return coarser_updates + static_cast<double>(report.fluid_particles) *
                                  static_cast<double>(integrator->statistics().evaluations - coarser_evaluations);

@@ -44,10 +44,12 @@ template <int D>
 void declare_rates(water<D>& f, std::size_t first_of_loads) {
   auto& e = f.rates;
   auto& s = f.world.w.s;
-  e.each("rates",
-         {.reads = {s.x, s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)},
-          .rates = {s.x, s.rho},
-          .accumulates = {s.v}},
+  passes::fields read{s.x, s.v, s.m, f.force, f.density_rate, f.tension, passes::of_sources(f.world)};
+  if (f.has_openings) {
+    e.remembered({f.zone});
+    read.add({f.zone});
+  }
+  e.each("rates", {.reads = read, .rates = {s.x, s.rho}, .accumulates = {s.v}},
          [&f, &e, tense = f.has_tension()](std::size_t i) {
            const auto& w = f.world.w;
            const double drag = f.o.flow.on_beach(w.s.x[0][i]);
@@ -57,8 +59,9 @@ void declare_rates(water<D>& f, std::size_t first_of_loads) {
              dv = f.force[a][i] / w.s.m[i] + w.gravity(a, i);
              if (tense) dv += f.tension[a][i] / w.s.m[i];
              if (drag > 0.0) dv -= drag * w.s.v[a][i];
+             if (f.in_zone(i)) dv = 0.0;
            }
-           e.rate(2 * D)[i] = f.density_rate[i];
+           e.rate(2 * D)[i] = f.in_zone(i) ? 0.0 : f.density_rate[i];
          });
   e.whole("rates", {.rates = {s.v}}, [&f, &e, first_of_loads] {
     hold(f, e.rates().subspan(D, D));

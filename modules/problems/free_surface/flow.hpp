@@ -6,47 +6,13 @@
 #include <free_surface/evaluation.hpp>
 #include <free_surface/gauges.hpp>
 #include <free_surface/measures.hpp>
+#include <free_surface/openings.hpp>
+#include <free_surface/probes.hpp>
 #include <free_surface/surface.hpp>
-#include <free_surface/traction.hpp>
-#include <numbers>
 #include <output/groups.hpp>
 #include <run/particle_simulation.hpp>
 
 namespace tetsuame::free_surface {
-
-// Columns of gauges.csv.
-template <int D>
-struct probe {
-  std::vector<output::history_column> columns;
-  std::function<std::vector<double>(water<D>&)> values;  // collective
-};
-
-// Forces and moments; what was put back since the last reading counts by its mean.
-template <int D>
-std::vector<output::history_column> force_columns(std::size_t gauges) {
-  std::vector<output::history_column> all;
-  for (const auto& name : force_names(gauges, D)) all.push_back({name, name.starts_with("force") ? "N" : "N m"});
-  return all;
-}
-template <int D>
-std::vector<double> force_values(water<D>& f) {
-  std::vector<double> all;
-  const auto loads = read_loads(f);
-  for (std::size_t n = 0; n < loads.size(); ++n)
-    for (std::size_t k = 0; k < f.counted.put_back[n].size(); ++k)
-      all.push_back((k < D ? loads[n].force[k] : loads[n].moment[k - D]) +
-                    f.counted.mean(f.counted.put_back[n][k] - f.counted.put_back_read[n][k]));
-  return all;
-}
-// Their impulses since the start, with what was put back.
-template <int D>
-probe<D> impulse_probe(std::size_t gauges) {
-  probe<D> p;
-  for (const auto& name : force_names(gauges, D))
-    p.columns.push_back({impulse_name(name), name.starts_with("force") ? "N s" : "N m s"});
-  p.values = [](water<D>& f) { return count_of(f).impulses; };
-  return p;
-}
 
 // 1/s: twice the larger of (k/m)^½ and c/m of what restrains free bodies; 0: there is none.
 template <int D>
@@ -61,59 +27,6 @@ double fastest_spring(const water<D>& f) {
     }
   }
   return most;
-}
-
-// How far a body has moved from where the input has it, and by how much it has turned: degrees, along x, y, z the
-// components of its rotation vector in three dimensions.
-template <int D>
-probe<D> motion_probe(std::size_t n, std::size_t body) {
-  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-  probe<D> p;
-  for (std::size_t a = 0; a < D; ++a) p.columns.push_back({fmt::format("motion_{}_{}", n, axis[a]), "m"});
-  for (std::size_t a = 0; a < (D == 2 ? 1 : 3); ++a)
-    p.columns.push_back({D == 2 ? fmt::format("angle_{}", n) : fmt::format("angle_{}_{}", n, axis[a]), "degrees"});
-  p.values = [body](water<D>& f) {
-    const auto* b = f.mover(static_cast<std::int32_t>(body));
-    const solids::pose<D> pose = b != nullptr ? b->now : solids::pose<D>{};
-    std::vector<double> all(pose.shift.c.begin(), pose.shift.c.end());
-    for (const double angle : solids::rotation_vector<D>(pose.turned).c)
-      all.push_back(angle * 180.0 / std::numbers::pi);
-    return all;
-  };
-  return p;
-}
-
-template <int D>
-std::vector<probe<D>> probes_of(const options& o, const parameters& p) {
-  std::vector<probe<D>> all;
-  const auto& g = o.gauges;
-  const auto add = [&](const std::string& name, const char* unit, std::function<double(const water<D>&)> value) {
-    all.push_back({{{name, unit}}, [value = std::move(value)](water<D>& f) { return std::vector{value(f)}; }});
-  };
-  const auto place = [](const std::array<std::vector<double>, 3>& of, std::size_t n) {
-    point x{};
-    for (std::size_t a = 0; a < D; ++a)
-      if (n < of[a].size()) x[a] = of[a][n];
-    return x;
-  };
-  if (g.front) add("front", "m", [](const water<D>& f) { return front_of(f); });
-  if (o.flow.start == "standing_wave") add("wave", "1", [](const water<D>& f) { return wave_of_now(f); });
-  if (o.flow.start == "drop") {
-    add("semi_axis_x", "m", [](const water<D>& f) { return semi_axes_of(f).a; });
-    add("semi_axis_y", "m", [](const water<D>& f) { return semi_axes_of(f).b; });
-  }
-  for (std::size_t n = 0; n < g.height[0].size(); ++n)
-    add(fmt::format("height_{}", n + 1), "m", [x = place(g.height, n)](const water<D>& f) { return depth_at(f, x); });
-  for (std::size_t n = 0; n < g.pressure[0].size(); ++n)
-    add(fmt::format("pressure_{}", n + 1), "Pa", [x = place(g.pressure, n), n](const water<D>& f) {
-      return pressure_at(f, x) + f.counted.mean(f.counted.on_gauges[n]);
-    });
-  if (!p.force.empty()) {
-    all.push_back({force_columns<D>(p.force.size()), force_values<D>});
-    all.push_back(impulse_probe<D>(p.force.size()));
-  }
-  for (std::size_t n = 0; n < p.motion.size(); ++n) all.push_back(motion_probe<D>(n + 1, p.motion[n]));
-  return all;
 }
 
 template <int D>
@@ -188,6 +101,11 @@ class flow : public run::particle_simulation<D> {
       changed = true;
       base::complete_step(step);  // a drift ends at a wall
     }
+    if (f_.has_openings) {
+      guide_inflows(f_, time_);
+      guide_outflows(f_);
+      changed = true;
+    }
     changed = changed || !f_.held.empty() || std::exchange(f_.pushed_apart, false);
     if (table_ && time_ >= next_reading_ * (1.0 - 1e-9)) read_gauges(step);
     return changed;
@@ -216,6 +134,14 @@ class flow : public run::particle_simulation<D> {
     if (f_.has_bodies)
       for (std::size_t a = 0; a < D; ++a) all.push_back({fmt::format("momentum_{}", "xyz"[a]), "N s"});
     if (f_.counts_impacts) all.push_back({"energy_put_back", "J"});
+    if (f_.has_openings) {
+      all.push_back({"mass", D == 2 ? "kg/m" : "kg"});
+      for (const char* way : {"in", "out"}) {
+        all.push_back({fmt::format("mass_{}", way), D == 2 ? "kg/m" : "kg"});
+        all.push_back({fmt::format("energy_{}", way), "J"});
+        for (std::size_t a = 0; a < D; ++a) all.push_back({fmt::format("momentum_{}_{}", way, "xyz"[a]), "N s"});
+      }
+    }
     if (f_.counts_work) {
       all.push_back({"work_of_pressure", "J"});
       all.push_back({"work_of_friction", "J"});
@@ -234,6 +160,11 @@ class flow : public run::particle_simulation<D> {
     if (f_.has_bodies)
       for (const double momentum : momentum_of(f_).c) all.push_back(momentum);
     if (f_.counts_impacts) all.push_back(f_.counted.energy);
+    if (f_.has_openings) {
+      all.push_back(now.mass);
+      for (const auto* passed : {&f_.entered, &f_.left})
+        for (std::size_t k = passed_through<D>::mass; k < passed_through<D>::size; ++k) all.push_back((*passed)[k]);
+    }
     for (const double work : count_of(f_).work) all.push_back(work);
     return all;
   }
@@ -252,18 +183,25 @@ class flow : public run::particle_simulation<D> {
     add("Material", make([](auto) { return 0.0; }));
     add("Volume", s.dV.data());
     add("FreeSurface", make([&](auto i) { return on_surface[i] ? 1.0 : 0.0; }));
+    if (f_.has_openings) add("Zone", f_.zone.data());
     if (!f_.world.walls.bodies.any()) return {g};
     return {g, rigid::group_of_walls(f_.world, f_.p.smoothing_length, extra)};
   }
 
   void report_results(double t, run::summary& r) override {
     const energies now = energies_of(f_);
-    r.conservation = {{"mass", now.mass / first_->mass - 1.0}, {"energy", energy_change(now)}};
+    using counted = passed_through<D>;
+    const double passed = f_.entered[counted::mass] - f_.left[counted::mass];
+    const double change = energy_change(now);
+    // What drives the zones of inflow and outflow is not counted.
+    r.conservation = {{"mass", (now.mass - passed) / first_->mass - 1.0},
+                      {"energy", run::or_null(f_.has_openings ? std::nullopt : std::optional(change))}};
     auto& m = r.metrics;
     // The water's energy falls by friction; what it gains while nobody works on it is made by the sums.
     const bool all_free = std::ranges::all_of(f_.moving, [](const auto& b) { return b.free.has_value(); });
-    const bool work_is_known = works_alone() || (f_.sources.force() ? f_.moving.empty() : all_free);
-    if (work_is_known) m["energy_residual"] = std::max(0.0, energy_change(now));
+    const bool work_is_known =
+        !f_.has_openings && (works_alone() || (f_.sources.force() ? f_.moving.empty() : all_free));
+    if (work_is_known) m["energy_residual"] = std::max(0.0, change);
     m["start"] = f_.o.flow.start;
     m["sound_speed"] = f_.p.water.sound;
     m["kinetic_energy_largest"] = kinetic_most_;
@@ -271,9 +209,25 @@ class flow : public run::particle_simulation<D> {
     m["kinetic_energy_over_mgh"] = run::or_null(weight > 0.0 ? std::optional(now.kinetic / weight) : std::nullopt);
     f_.sources.tell(m);
     report_budget(m);
+    report_openings(now, m);
     if (is_still(f_.o, f_.p) && !f_.sources.force()) m["hydrostatic_error"] = hydrostatic_error(f_);
     report_exact(t, m);
     report_gauges(m);
+  }
+
+  // What came in and went out (openings.hpp): mass is what it was, and what has come, less what has gone.
+  void report_openings(const energies& now, nlohmann::ordered_json& m) {
+    if (!f_.has_openings) return;
+    using counted = passed_through<D>;
+    m["mass"] = now.mass;
+    m["mass_of_start"] = first_->mass;
+    for (const auto& [way, passed] : {std::pair{"in", &f_.entered}, std::pair{"out", &f_.left}}) {
+      m[fmt::format("particles_{}", way)] = static_cast<std::int64_t>((*passed)[counted::number]);
+      m[fmt::format("mass_{}", way)] = (*passed)[counted::mass];
+      m[fmt::format("energy_{}", way)] = (*passed)[counted::energy];
+      for (std::size_t a = 0; a < D; ++a)
+        m[fmt::format("momentum_{}_{}", way, "xyz"[a])] = (*passed)[counted::momentum + a];
+    }
   }
 
   // What bodies and the water gave each other (budget.hpp).
@@ -293,6 +247,11 @@ class flow : public run::particle_simulation<D> {
   void save_globals(output::checkpoint_globals& to) const override {
     base::save_globals(to);
     if (f_.counts_impacts) to.blobs["loads"] = saved_loads(f_);
+    if (f_.has_openings) {
+      auto& saved = to.blobs["passed_through"];
+      for (const auto* passed : {&f_.entered, &f_.left})
+        for (const auto* part : {&passed->sum, &passed->rest}) saved.insert(saved.end(), part->begin(), part->end());
+    }
     to.blobs["readings"] = read_.saved();
     to.reals["kinetic_most"] = kinetic_most_;
     if (!f_.moving.empty()) to.blobs["bodies"] = saved_bodies(f_);
@@ -307,6 +266,12 @@ class flow : public run::particle_simulation<D> {
     time_ = from.reals.at("time");
     if (!f_.moving.empty()) restore_bodies(f_, from.blobs.at("bodies"), time_);
     if (f_.counts_impacts) restore_loads(f_, from.blobs.at("loads"));
+    if (f_.has_openings) {
+      auto saved = from.blobs.at("passed_through").begin();
+      for (auto* passed : {&f_.entered, &f_.left})
+        for (auto* part : {&passed->sum, &passed->rest})
+          for (double& value : *part) value = *saved++;
+    }
     const auto& e = from.blobs.at("first_energies");
     first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.at(4), e.at(5)};
   }
@@ -321,6 +286,7 @@ class flow : public run::particle_simulation<D> {
     group_walls(f_);
   }
   void place_walls() override { hand_over_walls(f_); }
+  bool let_particles_pass() override { return pass_openings(f_); }
   std::int64_t put_out_of_bodies() override {
     const std::int64_t put_back = rigid::put_out_of_bodies(f_);
     count_put_back(f_);
@@ -411,6 +377,10 @@ class flow : public run::particle_simulation<D> {
     for (std::size_t n = 0; n < known.height.size(); ++n) {
       const auto name = fmt::format("height_{}", n + 1);
       report_height(name, read_.of(name), known.height[n], m);
+    }
+    for (std::size_t n = 0; n < known.discharge.size(); ++n) {
+      const auto name = fmt::format("discharge_{}", n + 1);
+      report_height(name, read_.of(name), known.discharge[n], m);
     }
     for (std::size_t n = 0; n < known.pressure.size(); ++n) {
       const auto name = fmt::format("pressure_{}", n + 1);

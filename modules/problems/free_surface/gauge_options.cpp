@@ -26,6 +26,11 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
                 .minimum = 0.0,
                 .meaning = std::string("points, of walls or of the water, whose pressure is read") +
                            (a == 2 ? " (3-D only)" : "")});
+  schema.add("gauges", "discharge_x", o.discharge,
+             {.unit = "m",
+              .minimum = 0.0,
+              .expert = true,
+              .meaning = "sections across x through which the flow of volume along x is read"});
   schema.add("gauges", "force", o.force, {.meaning = "bodies of &solids: force and moment of the water on each"});
   for (std::size_t a = 0; a < 3; ++a)
     schema.add("gauges", along("moment_", a), o.moment[a],
@@ -41,6 +46,10 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
   schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
   schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
   schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
+  schema.add("gauges", "discharge_columns", o.discharge_columns,
+             {.expert = true,
+              .meaning = "for the discharges, in length_unit to the power of the box's dimension each "
+                         "time_unit, '' for none"});
   schema.add("gauges", "force_columns", o.force_columns,
              {.expert = true, .meaning = "for forces and moments, one a column of gauges.csv, '' for none"});
   schema.add("gauges", "time_unit", o.time_unit, namelist::for_expert(positive("s", "what is 1 in the file's times")));
@@ -115,12 +124,14 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
         fmt::format("expected a time behind impulse_from, {} s, found {} s", *g.impulse_from, *g.impulse_until));
   gauges::check_places(schema, o.domain, "height_", g.height, {0, 2}, {});
   gauges::check_places(schema, o.domain, "pressure_", g.pressure, {0, 1, 2}, {});
+  gauges::check_places(schema, o.domain, "discharge_", {g.discharge, {}, {}}, {0}, {});
+  p.measured.discharge.resize(g.discharge.size());
   p.measured.height.resize(g.height[0].size());
   p.measured.pressure.resize(g.pressure[0].size());
   const auto forces = force_names(g.force.size(), static_cast<int>(o.domain.dimension));
   p.measured.force.resize(forces.size());
-  const bool named =
-      !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty() || !g.force_columns.empty();
+  const bool named = !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty() ||
+                     !g.discharge_columns.empty() || !g.force_columns.empty();
   if (named && g.file.empty()) schema.fail("gauges", "file", "columns are named, and no file");
   if (!named && !g.file.empty()) schema.fail("gauges", "file", "none of its columns is named");
   if (!named) return;
@@ -142,6 +153,10 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, number(g.height[0], length));
   p.measured.pressure =
       curves_of(schema, o, "pressure_columns", t, g.pressure_columns, number(g.pressure[0], {"Pa", g.stress_unit}));
+  const bool flat = o.domain.dimension == 2;
+  p.measured.discharge = curves_of(
+      schema, o, "discharge_columns", t, g.discharge_columns,
+      number(g.discharge, {flat ? "m^2/s" : "m^3/s", std::pow(g.length_unit, flat ? 2.0 : 3.0) / g.time_unit}));
   p.measured.force = curves_of(schema, o, "force_columns", t, g.force_columns, of_forces);
 }
 

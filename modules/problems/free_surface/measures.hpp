@@ -197,11 +197,27 @@ double depth_at(const water<D>& f, const point& place) {
   return f.ranks().exact(depth);
 }
 
+// m3/s, in two dimensions m2/s: of the water along x through the section at x, smeared two spacings to either side.
+template <int D>
+double discharge_at(const water<D>& f, double x) {
+  const auto& s = f.world.w.s;
+  const double width = 2.0 * f.dx();
+  foundation::exact_sum flux;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    for_each_view(f, i, width, [&](const point& at) {
+      if (at[1] != s.x[1][i] || (D == 3 && at[2] != s.x[2][i])) return;
+      const bool mirrored = !f.o.domain.periodic[0] && at[0] != s.x[0][i];
+      const double share = std::max(0.0, 1.0 - std::abs(at[0] - x) / width) / width;
+      flux.add(s.m[i] / s.rho[i] * (mirrored ? -1.0 : 1.0) * s.v[0][i] * share);
+    });
+  return f.ranks().exact(flux);
+}
+
 // ---- still water --------------------------------------------------------------------------------------
 
 // Whether the water starts at rest under a level surface, wall to wall.
 inline bool is_still(const options& o, const parameters& p) {
-  if (o.flow.start != "rest" || p.blocks.size() != 1 || !(o.flow.gravity > 0.0)) return false;
+  if (o.flow.start != "rest" || p.blocks.size() != 1 || !p.openings.empty() || !(o.flow.gravity > 0.0)) return false;
   const block& b = p.blocks.front();
   for (std::size_t a = 0; a < o.domain.axes(); ++a)
     if (b.low[a] > 0.0 || (a != 1 && b.high[a] < o.domain.length[a] * (1.0 - 1e-9))) return false;

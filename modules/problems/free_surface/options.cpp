@@ -222,12 +222,13 @@ double most_tension(const flow_options& f) {
   return f.scheme == "riemann" ? most_with_riemann : 1.0 / std::numbers::pi;
 }
 
-// m/s: by the water's weight; without gravity by its surface tension, as fast beside a drop's swinging, and some
-// way above the slowest that goes with it. What a drop then loses: docs/theory/water_surface_tension.md.
-double sound_speed_of(const options& o, double height) {
+// m/s: by the water's weight, and how fast it enters (m/s); without gravity by its surface tension, as fast beside a
+// drop's swinging, and some way above the slowest that goes with it. What a drop then loses:
+// docs/theory/water_surface_tension.md.
+double sound_speed_of(const options& o, double height, double entering) {
   const auto& f = o.flow;
   if (f.sound_speed) return *f.sound_speed;
-  if (f.gravity > 0.0) return f.sound_factor * std::sqrt(f.gravity * height);
+  if (f.gravity > 0.0 || entering > 0.0) return f.sound_factor * std::max(std::sqrt(f.gravity * height), entering);
   const double of_spacing = f.surface_tension / (f.density * o.domain.dx());
   return std::max(f.sound_factor * std::sqrt(2.0 * f.surface_tension / (f.density * height)),
                   (f.scheme == "riemann" ? 1.1 : 2.6) * std::sqrt(of_spacing / most_tension(f)));
@@ -235,9 +236,10 @@ double sound_speed_of(const options& o, double height) {
 
 void find_liquid(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& f = o.flow;
-  if (!f.sound_speed && !(f.gravity > 0.0) && !(f.surface_tension > 0.0))
+  const double entering = fastest_inflow(o, p);
+  if (!f.sound_speed && !(f.gravity > 0.0) && !(f.surface_tension > 0.0) && !(entering > 0.0))
     schema.fail("flow", "sound_speed", "must be given: without gravity and surface tension sound_factor says nothing");
-  p.water = {f.density, sound_speed_of(o, p.height), f.exponent};
+  p.water = {f.density, sound_speed_of(o, p.height, entering), f.exponent};
   p.smoothing_length = o.common.kernel.h_over_dx * o.domain.dx();
   const double D = static_cast<double>(o.domain.dimension), h = p.smoothing_length, c = p.water.sound;
   p.kinematic_viscosity = f.viscosity / f.density;
@@ -309,6 +311,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_blocks_around(schema, o.flow);
   declare_beach(schema, o.flow);
   declare_gauges(schema, o.gauges);
+  declare_openings(schema, o);
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true, .bodies = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
   regions::declare(schema, of_regions, o.of_regions);
@@ -330,7 +333,9 @@ parameters resolve(const namelist::schema& schema, options& o) {
   }
   run::resolve(schema, o.common);
   domain::resolve(schema, demands, o.domain);
-  run::check_output(schema, o.common, o.domain, {"Volume", "FreeSurface"});
+  std::vector<std::string> shown{"Volume", "FreeSurface"};
+  if (!o.inflow.side.empty() || !o.outflow.side.empty()) shown.emplace_back("Zone");
+  run::check_output(schema, o.common, o.domain, shown);
   const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
   domain::check_widths(schema, o.domain, support + o.common.kernel.skin * dx, support);
   if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
@@ -340,6 +345,12 @@ parameters resolve(const namelist::schema& schema, options& o) {
   for (const auto& b : p.blocks) {
     lowest = std::min(lowest, b.low[1]);
     highest = std::max(highest, b.high[1]);
+  }
+  find_openings(schema, o, p);
+  for (const auto& e : p.openings) {
+    if (!e.enters) continue;
+    lowest = std::min(lowest, e.low[1]);
+    highest = std::max(highest, e.high[1]);
   }
   p.height = highest - lowest;
   find_liquid(schema, o, p);
@@ -352,6 +363,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
     resolve_bodies<3>(schema, o, p);
   else
     resolve_bodies<2>(schema, o, p);
+  check_openings(schema, o, p);
   check_tension(schema, o, p);
   // What drifts takes its momentum along, and makes surface whose energy nobody counts: a drop that turned lost 5 % of
   // its angular momentum in half a turn, without drift it gains 0.2 % (docs/theory/water_surface_tension.md).

@@ -3,6 +3,7 @@
 //   &flow     blocks of water, how they start, the liquid, gravity, shifting
 //   &gauges   what is measured on the way, and the files that it is held against
 //   &walls    slip and no slip; an open top
+//   &inflow, &outflow   sections of the sides through which water enters and leaves (opening.hpp)
 //   &solids   bodies of any shape; &motions: how they move (solids/options.hpp)
 //   &region, &constants   where blocks have no water, and what the start is somewhere (regions/options.hpp)
 //   &sources  forces from outside, as those in a tank that is shaken (sources/options.hpp)
@@ -13,6 +14,7 @@
 #include <array>
 #include <domain/options.hpp>
 #include <free_surface/liquid.hpp>
+#include <free_surface/opening.hpp>
 #include <gauges/series.hpp>
 #include <optional>
 #include <regions/region.hpp>
@@ -64,23 +66,25 @@ struct flow_options {
 struct gauge_options {
   double interval = 0.0;  // s; 0: every step
   bool front = false;
-  std::array<std::vector<double>, 3> height, pressure;           // m, places; heights have no y
-  std::string file = "";                                         // of measured curves; empty: none
-  std::string front_column = "";                                 // there; empty: none
-  std::vector<std::string> height_columns, pressure_columns;     // one a gauge; empty: none
-  double time_unit = 1.0, length_unit = 1.0, stress_unit = 1.0;  // s, m, Pa: what is 1 in the file
-  double arrival = 0.0;                                          // Pa
-  std::vector<std::string> force, motion;                        // names of bodies
-  std::array<std::vector<double>, 3> moment;                     // m, one a force; empty: about centres
-  std::vector<std::string> force_columns;                        // of the file, one for each of the forces' columns
-  double force_unit = 1.0, moment_unit = 1.0;                    // N, N m
-  std::optional<double> impulse_from = {}, impulse_until = {};   // s
+  std::array<std::vector<double>, 3> height, pressure;                           // m, places; heights have no y
+  std::vector<double> discharge;                                                 // m, along x
+  std::string file = "";                                                         // of measured curves; empty: none
+  std::string front_column = "";                                                 // there; empty: none
+  std::vector<std::string> height_columns, pressure_columns, discharge_columns;  // one a gauge; empty: none
+  double time_unit = 1.0, length_unit = 1.0, stress_unit = 1.0;                  // s, m, Pa: what is 1 in the file
+  double arrival = 0.0;                                                          // Pa
+  std::vector<std::string> force, motion;                                        // names of bodies
+  std::array<std::vector<double>, 3> moment;                                     // m, one a force; empty: about centres
+  std::vector<std::string> force_columns;                       // of the file, one for each of the forces' columns
+  double force_unit = 1.0, moment_unit = 1.0;                   // N, N m
+  std::optional<double> impulse_from = {}, impulse_until = {};  // s
 };
 
 struct options {
   domain::options domain{.dimension = 2, .length = {1.0, 1.0, 1.0}, .particles = {50, 50, 50}};
   flow_options flow;
   gauge_options gauges;
+  opening_options inflow, outflow;
   walls::options walls;
   solids::options solids;
   solids::motion_options motions;
@@ -102,8 +106,8 @@ using gauges::series;
 // Of the file, in SI units; empty where there is none.
 struct references {
   series front;
-  std::vector<series> height, pressure;  // one a gauge
-  std::vector<series> force;             // one a column of gauges.csv
+  std::vector<series> height, pressure, discharge;  // one a gauge
+  std::vector<series> force;                        // one a column of gauges.csv
 };
 
 // Whose force is read, and about which point its moment.
@@ -131,6 +135,7 @@ struct parameters {
   std::vector<std::size_t> motion;  // bodies whose motion is read
   regions::all regions;
   sources::all sources;
+  std::vector<opening> openings;  // inflows, then outflows
 
   template <int D>
   const std::vector<solids::body<D>>& bodies_in() const {

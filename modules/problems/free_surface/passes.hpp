@@ -12,6 +12,7 @@
   where template void tetsuame::free_surface::declare(water<D>&);                                            \
   where template void tetsuame::free_surface::set_up(water<D>&);                                             \
   where template void tetsuame::free_surface::arrange(water<D>&, double);                                    \
+  where template void tetsuame::free_surface::guide_outflows(water<D>&);                                     \
   where template std::vector<bool> tetsuame::free_surface::find_surface(water<D>&);                          \
   where template void tetsuame::free_surface::find_tension(water<D>&);                                       \
   where template double tetsuame::free_surface::surface_energy(water<D>&);                                   \

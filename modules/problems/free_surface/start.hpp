@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <foundation/agree.hpp>
 #include <free_surface/exact.hpp>
+#include <free_surface/openings.hpp>
 #include <free_surface/united.hpp>
 #include <free_surface/water.hpp>
 #include <numbers>
@@ -73,9 +74,9 @@ inline point start_velocity(const options& o, const parameters& p, const point& 
   return {-across * (x[0] - c.centre[0]), rate * (x[1] - c.centre[1]), -across * (x[2] - c.centre[2])};
 }
 
-// Blocks, and of them what is_water(place) keeps.
+// Blocks, and of them what is_water(place) keeps; and what stands in the zones of inflows, whose first ID it returns.
 template <int D, class IsWater>
-void place_blocks(water<D>& f, const IsWater& is_water) {
+std::int64_t place_blocks(water<D>& f, const IsWater& is_water) {
   std::vector<run::lattice_block<D>> lattices;
   std::int64_t first_id = 0;
   for (const block& b : f.p.blocks) {
@@ -89,11 +90,18 @@ void place_blocks(water<D>& f, const IsWater& is_water) {
     first_id += lattice.particles();
     lattices.push_back(lattice);
   }
-  run::place_lattices<D>(f.world, lattices, f.o.domain.jitter, [&](const std::array<double, D>& x) {
-    point of_water{};
-    std::ranges::copy(x, of_water.begin());
-    return is_water(of_water);
-  });
+  const std::size_t blocks = lattices.size();
+  const auto inflows = lattices_of_inflows(f, first_id);
+  for (const auto& lattice : inflows) f.inflow_places += lattice.particles();
+  lattices.insert(lattices.end(), inflows.begin(), inflows.end());
+  run::place_lattices<D>(f.world, lattices, f.o.domain.jitter,
+                         [&](const std::array<double, D>& x, std::size_t lattice) {
+                           point of_water{};
+                           std::ranges::copy(x, of_water.begin());
+                           return lattice >= blocks || is_water(of_water);
+                         });
+  if (f.has_openings) f.world.fluid_total = most_numbers;
+  return first_id;
 }
 
 // What &region says of the places of the blocks; what fails on one rank fails on all.
@@ -166,12 +174,13 @@ void take_from_file(water<D>& f) {
   }
 }
 
-// The blocks' particles: their density, mass and velocity.
+// The blocks' particles, of IDs below `end`: their density, mass and velocity.
 template <int D>
-void start_blocks(water<D>& f, cut_by_regions<D>& cut, const united_surface* united) {
+void start_blocks(water<D>& f, cut_by_regions<D>& cut, const united_surface* united, std::int64_t end) {
   auto& s = f.world.w.s;
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {
+    if (s.id[i] >= end) continue;
     const point x = f.place(i);
     const double own = surface_above(f.p, x);
     s.rho[i] = start_density(f.o, f.p, x, united != nullptr ? united->level(x, own) : own);
@@ -196,17 +205,22 @@ void set_up(water<D>& f) {
   cut_by_regions<D> cut(f);
   const auto is_solid = [&](const point& x) { return f.has_bodies && f.solid.solid(of_solids<D>(x)); };
   const auto is_water = [&](const point& x) {
-    return !(drop && drop->distance2(x) >= drop->radius * drop->radius) && !is_solid(x) && cut.leaves(x);
+    const bool enters = std::ranges::any_of(f.p.openings, [&](const auto& e) { return e.enters && e.holds(x); });
+    return !(drop && drop->distance2(x) >= drop->radius * drop->radius) && !is_solid(x) && !enters && cut.leaves(x);
   };
-  place_blocks(f, is_water);
+  const std::int64_t first_of_inflows = place_blocks(f, is_water);
   std::optional<united_surface> united;
   if (touch_sideways(f.o, f.p)) united.emplace(f.o, f.p, is_water, is_solid);
   f.world.w.g[1] = -f.gravity();
   f.two_velocities = f.world.walls.bodies.no_slip || (f.has_bodies && f.p.by != scheme::riemann) ||
                      std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
   f.viscous_velocity = f.template vector<D>(f.two_velocities, "ViscousVelocity", "m/s");
-  start_blocks(f, cut, united ? &*united : nullptr);
+  start_blocks(f, cut, united ? &*united : nullptr, first_of_inflows);
   cut.expect_sound();
+  if (f.has_openings) {
+    fill_inflows(f, first_of_inflows);
+    take_into_outflows(f);
+  }
   if (f.o.common.start.is_read()) take_from_file(f);
 }
 

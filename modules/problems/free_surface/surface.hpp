@@ -94,7 +94,7 @@ void slacken(water<D>& f, double dt) {
   const double support = f.world.w.support(), left = std::exp(-dt * f.p.water.sound / support);
   const double rest = f.o.flow.density, deep = f.p.water.density_beneath(f.gravity() * support);
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    if (!(f.eigenvalue[i] < inside)) return;
+    if (!(f.eigenvalue[i] < inside) || f.in_zone(i)) return;
     const double l = speed_limiter(f, std::sqrt(f.speed2(i)));
     const double pressed = (1.0 - left) * std::max(s.rho[i] - deep, 0.0), drawn = std::min(s.rho[i] - rest, 0.0);
     s.rho[i] -= l * l * (pressed + drawn);
@@ -109,7 +109,7 @@ void shift(water<D>& f, double dt) {
   std::vector<solids::point<D>> before;
   for (const std::uint32_t i : f.beside_bodies) before.push_back(of_solids<D>(f.place(i)));
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    if (f.eigenvalue[i] < of_spray) return;
+    if (f.eigenvalue[i] < of_spray || f.in_zone(i)) return;
     const double speed = std::sqrt(f.speed2(i)), of_path = size * speed * speed_limiter(f, speed);
     std::array<double, D> by;
     double across = 0.0, length2 = 0.0;

@@ -43,6 +43,26 @@ bool counts_work(const parameters& p) {
   return any && all;
 }
 
+// Of water that has entered, or left, since the start: so many particles, kg, J, N s (in two dimensions for each metre
+// of depth), summed with what adding rounds off [A. Neumaier, Z. Angew. Math. Mech. 54, 39 (1974)].
+template <int D>
+struct passed_through {
+  static constexpr std::size_t number = 0, mass = 1, energy = 2, momentum = 3, size = momentum + D;
+  std::array<double, size> sum{}, rest{};
+
+  double operator[](std::size_t k) const { return sum[k] + rest[k]; }
+  void add(std::span<const double> more) {
+    for (std::size_t k = 0; k < size; ++k) {
+      const double before = sum[k];
+      sum[k] += more[k];
+      rest[k] += std::abs(before) < std::abs(more[k]) ? more[k] - sum[k] + before : before - sum[k] + more[k];
+    }
+  }
+};
+
+// Above all IDs of water, where their number grows: those of images begin here.
+inline constexpr std::int64_t most_numbers = std::int64_t{1} << 40;
+
 template <int D>
 struct water : rigid::bodies<D> {
   const options& o;
@@ -108,6 +128,15 @@ struct water : rigid::bodies<D> {
   particles::array& eigenvalue = field(true, "Eigenvalue", "1");
   particles::array& least_near = field(true, "LeastEigenvalueNear", "1");
   particles::array& covered = field(true, "Covered", "1");
+
+  // With &inflow and &outflow (openings.hpp): the number of the section in whose zone a particle is, minus that of an
+  // outflow, 0 in none; sums over what comes behind it there; how many places all inflows have.
+  const bool has_openings = !p.openings.empty();
+  particles::array& zone = particles::declare_if(has_openings, world.w.s, "Zone", "1", particles::role::memory);
+  particles::vector_field<3> behind = vector<3>(has_openings, "ComingBehind", "1, m/s, Pa");
+  std::int64_t inflow_places = 0;
+  passed_through<D> entered = {}, left = {};
+  bool in_zone(std::size_t i) const { return has_openings && zone[i] != 0.0; }
 
   sources::fields<D> sources = {};
 
