@@ -3,15 +3,15 @@
 // 35 (2012)] (docs/theory/inflow_and_outflow.md). Before each section of &inflow and &outflow lies a zone as long as
 // the kernel reaches, whose particles do not follow the equations of motion:
 //
-//   inflow    v = u(y, z, t) n, n inwards; ρ of still water at that depth beneath the level. Who has gone the zone's
-//             length L becomes water, and another one begins a length L behind it
+//   inflow    v = u(y, z, t) n, n inwards; ρ of still water at that depth beneath the level. A particle that has
+//             gone the zone's length L becomes water, and another one begins a length L behind it
 //   outflow   v = u n, n outwards, u the mean of v·n about it of what comes behind,
 //               u_i = Σ_j V_j W_ij v_j·n / Σ_j V_j W_ij  over j with (x_i - x_j)·n > 0,   at least 0
-//             ρ of still water beneath the level, or by the mean pressure of the same, less the weight up to there. Who
-//             comes to the side is taken away
+//             ρ of still water beneath the level, or by the mean pressure of the same, less the weight up to there. A
+//             particle that comes to the side is taken away
 //
-// Who changes is found where neighbour lists are made anew: by places alone, whatever ranks there are. A new particle
-// has the ID of the one before it and the number of all places of inflows more: each place gives each ID once.
+// Particles enter and leave where neighbour lists are made anew: by places alone, whatever ranks there are. A new
+// particle has the ID of the one before it and the number of all places of inflows more: each place gives each ID once.
 #pragma once
 
 #include <free_surface/sums.hpp>
