@@ -362,12 +362,25 @@ void hosono_iteration::determine(pairs::workspace<D>& w, const wall_context<D>& 
     if (!proof.empty()) throw divergence(0, "Hosono's iteration (" + how.solver + "): " + proof);
   }
   detail::pass<D> one{w, around, *this};
-  if (how.solver == "anderson")
-    detail::accelerate(one, omega, tolerance, kappa);
-  else if (how.solver == "newton")
-    detail::newton(one, omega, tolerance, kappa);
-  else
-    detail::relax(one, omega, tolerance, 0.0, kappa);
+  try {
+    if (how.solver == "anderson")
+      detail::accelerate(one, omega, tolerance, kappa);
+    else if (how.solver == "newton")
+      detail::newton(one, omega, tolerance, kappa);
+    else
+      detail::relax(one, omega, tolerance, 0.0, kappa);
+  } catch (const divergence&) {
+    // What passes that diverge leave may be no numbers. The fault is the iteration's, not that of a field: the density
+    // is again that of the last completed step.
+    const auto& guess = particles::extra(s, density_guess);
+    std::copy_n(guess.begin(), s.fluid, s.rho.begin());
+    equation_of_state(w, 0, s.fluid, around.rule);
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      s.p[i] = s.p_eos[i];
+      s.Y[i] = s.m[i] * s.p[i] / s.rho[i];
+    });
+    throw;
+  }
   // Y, p and ρ of the last pass are consistent: bring them to the ghosts. For newton ρ is the unknown itself, and
   // m p/Y in its place would enlarge the residual by the factor κ - 1.
   w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});

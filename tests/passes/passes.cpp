@@ -104,7 +104,6 @@ std::vector<double> rates_by_id(scaffold& of) {
 std::vector<double> by_search(bool walls) {
   constexpr std::size_t n = 24 * 12;
   const auto x = [&](std::size_t id) {
-    std::array<double, 2> place;
     run::lattice_block<2> lattice{.number = {24, 12}, .spacing = {1.0, 1.0}};
     return run::detail::start_place<2>(lattice,
                                        {static_cast<std::int64_t>(id % 24), static_cast<std::int64_t>(id / 24)},

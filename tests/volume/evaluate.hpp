@@ -30,7 +30,9 @@ void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing
     if (Volume::carried == volume::carries::density) e.integrate(s.rho, {"rho"}), rates.add({s.rho});
     if (Volume::carried == volume::carries::weight) e.integrate(s.Y, {"Y"}), rates.add({s.Y});
     const volume::pressure_rule none;
-    liquid::list_of_passes<program_of<Volume, Pressure>, D> list(scene, how, {.smoothing = smoothing}, none);
+    volume::options settings;
+    settings.smoothing = smoothing;
+    liquid::list_of_passes<program_of<Volume, Pressure>, D> list(scene, how, settings, none);
     list.declare(e, rates, false, [&] { return liquid::rates_in_order<D>(e.rates()); });
     e.complete(passes::behind<D>(scene));
     BOOST_TEST_MESSAGE(e.describe());

@@ -129,7 +129,8 @@ void read_materials(const namelist::schema& schema, problem_kind kind, options& 
   const auto& from = o.more;
   const std::size_t number = given(from);
   for (std::size_t n = 0; n < number; ++n) {
-    material_options m{.name = check_name(schema, o, n)};
+    material_options m;
+    m.name = check_name(schema, o, n);
     if (const auto eos = of(from.eos, n); !eos.empty()) m.eos = eos;
     m.table = of(from.table, n);
     m.parameters.tillotson = of(from.tillotson, n);
