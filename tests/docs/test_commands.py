@@ -10,6 +10,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+THREE = Path("/usr/share/javascript/three/three.min.js")
 SOURCE, BUILD = (Path(os.environ[name]).resolve() for name in ("TETSUAME_SOURCE", "TETSUAME_BUILD"))
 STEPS, SIDE, RANKS = 3, 24, 2
 HEAVY = ("build", "test", "compare", "bench", "check", "docs", "package")  # commands of ./run
@@ -87,17 +88,17 @@ class Pages(unittest.TestCase):
             carried = f"{sys.executable} - <<'END'\n{line.partition(chr(10))[2]}END" if line.startswith("python\n") else smaller(line)
             if carried is None:
                 continue
-            if "movie " in carried and not shutil.which("ffmpeg"):
+            if carried.startswith("./run movie ") and not shutil.which("ffmpeg"):
                 carried += " --gif"
-            if "view " in carried and not Path("/usr/share/javascript/three/three.min.js").is_file():
+            if carried.startswith("./run view ") and not THREE.is_file():
                 continue
             said = subprocess.run(["bash", "-ec", carried], cwd=self.here, env=surroundings, capture_output=True, text=True, stdin=subprocess.DEVNULL)
             self.assertEqual(said.returncode, 0, f"{page}: {line}\n{said.stdout[-1500:]}{said.stderr[-1500:]}")
             done += 1
         self.assertGreaterEqual(done, least, f"{page}: commands are not found")
         for name in named(text):
-            gif = shutil.which("ffmpeg") is None and name.endswith(".mp4")
-            self.assertTrue((self.here / name).exists() or gif, f"{page}: {name} is not there")
+            needs_more = (name.endswith(".mp4") and not shutil.which("ffmpeg")) or (name.endswith("view.html") and not THREE.is_file())
+            self.assertTrue((self.here / name).exists() or needs_more, f"{page}: {name} is not there")
 
 
 # Each page, and how many commands it has at least.
