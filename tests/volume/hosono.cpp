@@ -106,6 +106,11 @@ BOOST_AUTO_TEST_CASE(plain_diverges_at_the_rate_of_theory) {
       message = e.what();
       BOOST_TEST(e.iteration() == static_cast<std::int64_t>(how.residuals.size()));
     }
+    // Diverged, it leaves the density with which it began, and numbers.
+    const auto& s = scene.w.s;
+    const auto& guess = particles::extra(s, volume::density_guess);
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      BOOST_REQUIRE((s.rho[i] == guess[i] && std::isfinite(s.p[i]) && std::isfinite(s.Y[i])));
     BOOST_REQUIRE(!message.empty());
     BOOST_TEST(message.find("solver = 'newton'") != std::string::npos);
     // The last passes whose residual is below 1 %.

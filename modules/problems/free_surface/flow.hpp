@@ -136,11 +136,7 @@ class flow : public run::particle_simulation<D> {
     if (f_.counts_impacts) all.push_back({"energy_put_back", "J"});
     if (f_.has_openings) {
       all.push_back({"mass", D == 2 ? "kg/m" : "kg"});
-      for (const char* way : {"in", "out"}) {
-        all.push_back({fmt::format("mass_{}", way), D == 2 ? "kg/m" : "kg"});
-        all.push_back({fmt::format("energy_{}", way), "J"});
-        for (std::size_t a = 0; a < D; ++a) all.push_back({fmt::format("momentum_{}_{}", way, "xyz"[a]), "N s"});
-      }
+      for (const auto& column : columns_of_openings<D>()) all.push_back(column);
     }
     if (f_.counts_work) {
       all.push_back({"work_of_pressure", "J"});
@@ -162,8 +158,7 @@ class flow : public run::particle_simulation<D> {
     if (f_.counts_impacts) all.push_back(f_.counted.energy);
     if (f_.has_openings) {
       all.push_back(now.mass);
-      for (const auto* passed : {&f_.entered, &f_.left})
-        for (std::size_t k = passed_through<D>::mass; k < passed_through<D>::size; ++k) all.push_back((*passed)[k]);
+      for (const double passed : values_of_openings(f_)) all.push_back(passed);
     }
     for (const double work : count_of(f_).work) all.push_back(work);
     return all;
@@ -218,16 +213,13 @@ class flow : public run::particle_simulation<D> {
   // What came in and went out (openings.hpp): mass is what it was, and what has come, less what has gone.
   void report_openings(const energies& now, nlohmann::ordered_json& m) {
     if (!f_.has_openings) return;
-    using counted = passed_through<D>;
     m["mass"] = now.mass;
     m["mass_of_start"] = first_->mass;
-    for (const auto& [way, passed] : {std::pair{"in", &f_.entered}, std::pair{"out", &f_.left}}) {
-      m[fmt::format("particles_{}", way)] = static_cast<std::int64_t>((*passed)[counted::number]);
-      m[fmt::format("mass_{}", way)] = (*passed)[counted::mass];
-      m[fmt::format("energy_{}", way)] = (*passed)[counted::energy];
-      for (std::size_t a = 0; a < D; ++a)
-        m[fmt::format("momentum_{}_{}", way, "xyz"[a])] = (*passed)[counted::momentum + a];
-    }
+    m["particles_in"] = static_cast<std::int64_t>(f_.entered[passed_through<D>::number]);
+    m["particles_out"] = static_cast<std::int64_t>(f_.left[passed_through<D>::number]);
+    const auto columns = columns_of_openings<D>();
+    const auto values = values_of_openings(f_);
+    for (std::size_t k = 0; k < columns.size(); ++k) m[columns[k].name] = values[k];
   }
 
   // What bodies and the water gave each other (budget.hpp).

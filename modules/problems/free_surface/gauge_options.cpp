@@ -10,6 +10,21 @@ namespace tetsuame::free_surface {
 
 using namelist::positive;
 
+namespace {
+
+// What is 1 in the file of measured curves.
+void declare_units(namelist::schema& schema, gauge_options& o) {
+  schema.add("gauges", "time_unit", o.time_unit, namelist::for_expert(positive("s", "what is 1 in the file's times")));
+  schema.add("gauges", "length_unit", o.length_unit,
+             namelist::for_expert(positive("m", "what is 1 in the file's lengths")));
+  schema.add("gauges", "stress_unit", o.stress_unit,
+             namelist::for_expert(positive("Pa", "what is 1 in the file's pressures")));
+  schema.add("gauges", "force_unit", o.force_unit, namelist::for_expert(positive("N", "what is 1 in its forces")));
+  schema.add("gauges", "moment_unit", o.moment_unit, namelist::for_expert(positive("N m", "what is 1 in its moments")));
+}
+
+}  // namespace
+
 void declare_gauges(namelist::schema& schema, gauge_options& o) {
   schema.group("gauges", "what gauges.csv holds, and measurements to compare it with");
   schema.add("gauges", "interval", o.interval,
@@ -52,13 +67,7 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
                          "time_unit, '' for none"});
   schema.add("gauges", "force_columns", o.force_columns,
              {.expert = true, .meaning = "for forces and moments, one a column of gauges.csv, '' for none"});
-  schema.add("gauges", "time_unit", o.time_unit, namelist::for_expert(positive("s", "what is 1 in the file's times")));
-  schema.add("gauges", "length_unit", o.length_unit,
-             namelist::for_expert(positive("m", "what is 1 in the file's lengths")));
-  schema.add("gauges", "stress_unit", o.stress_unit,
-             namelist::for_expert(positive("Pa", "what is 1 in the file's pressures")));
-  schema.add("gauges", "force_unit", o.force_unit, namelist::for_expert(positive("N", "what is 1 in its forces")));
-  schema.add("gauges", "moment_unit", o.moment_unit, namelist::for_expert(positive("N m", "what is 1 in its moments")));
+  declare_units(schema, o);
   schema.add("gauges", "arrival", o.arrival,
              {.unit = "Pa", .minimum = 0.0, .meaning = "the water has arrived where the pressure is above this"});
   schema.add("gauges", "impulse_from", o.impulse_from,

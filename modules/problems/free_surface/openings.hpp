@@ -14,7 +14,10 @@
 // particle has the ID of the one before it and the number of all places of inflows more: each place gives each ID once.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <free_surface/sums.hpp>
+#include <output/history.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -254,6 +257,27 @@ bool pass_openings(water<D>& f) {
   f.entered.add(std::span(total).first(counted::size));
   f.left.add(std::span(total).subspan(counted::size));
   return total[counted::number] + total[counted::size + counted::number] > 0.0;
+}
+
+// ---- what has passed ----------------------------------------------------------------------------------
+
+// Columns of history.csv, and metrics: what has entered, then what has left.
+template <int D>
+std::vector<output::history_column> columns_of_openings() {
+  std::vector<output::history_column> all;
+  for (const char* way : {"in", "out"}) {
+    all.push_back({fmt::format("mass_{}", way), D == 2 ? "kg/m" : "kg"});
+    all.push_back({fmt::format("energy_{}", way), "J"});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({fmt::format("momentum_{}_{}", way, "xyz"[a]), "N s"});
+  }
+  return all;
+}
+template <int D>
+std::vector<double> values_of_openings(const water<D>& f) {
+  std::vector<double> all;
+  for (const auto* passed : {&f.entered, &f.left})
+    for (std::size_t k = passed_through<D>::mass; k < passed_through<D>::size; ++k) all.push_back((*passed)[k]);
+  return all;
 }
 
 }  // namespace tetsuame::free_surface
