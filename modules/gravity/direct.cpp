@@ -28,11 +28,12 @@ void direct(const cloud<D>& particles, double gravitational_constant, std::size_
   const double factor = strength<D>(gravitational_constant);
   foundation::for_chunks(last - first, 64, n > 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; k += lanes) {
-      target_registers<D, 1> targets(all, first + k);
-      targets.template add<true, true>(all, 0, n);
+      std::array<target_register<D>, 1> targets;
+      targets[0].start(all, first + k);
+      add_sources<true, true>(targets, all, 0, n);
       for (std::size_t lane = 0; lane < std::min(lanes, end - k); ++lane) {
-        for (std::size_t a = 0; a < D; ++a) to.acceleration[a][k + lane] = factor * targets.pull[0][a][lane];
-        to.potential[k + lane] = factor * targets.potential[0][lane];
+        for (std::size_t a = 0; a < D; ++a) to.acceleration[a][k + lane] = factor * targets[0].pull[a][lane];
+        to.potential[k + lane] = factor * targets[0].potential[lane];
       }
     }
   });

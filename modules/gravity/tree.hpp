@@ -23,8 +23,8 @@ struct tree_options {
   double gravitational_constant = 6.67430e-11;  // m³/(kg s²) [CODATA 2018]
   // Two groups act on each other by multipoles if the sum of their radii is below this part of the distance between
   // their centres of mass: the opening angle. Above 0, below 1.
-  double opening = 0.5;
-  std::size_t leaf = 12;  // particles at most, in a group that is not divided further
+  double opening = 0.9;
+  double tolerance = 5e-4;
 };
 
 template <int D>

@@ -163,16 +163,11 @@ BOOST_AUTO_TEST_CASE(none_and_one_and_two_and_three) {
   BOOST_TEST(found.potential[0] == 0.0);
   for (const double far : {1.5, 1e9}) {
     all.add({far, 2.0, 3.0}, 7.0, 0.1);
-    // Leaves of one particle: multipoles between them are exact.
-    for (const std::size_t leaf : {1, 12}) {
-      gravity::tree_options options;
-      options.leaf = leaf;
-      const auto exact = by_direct(all);
-      found = by_tree(all, options);
-      for (std::size_t i = 0; i < all.size(); ++i) {
-        BOOST_TEST(found.acceleration[0][i] == exact.acceleration[0][i], boost::test_tools::tolerance(1e-13));
-        BOOST_TEST(found.potential[i] == exact.potential[i], boost::test_tools::tolerance(1e-13));
-      }
+    const auto exact = by_direct(all);
+    found = by_tree(all);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      BOOST_TEST(found.acceleration[0][i] == exact.acceleration[0][i], boost::test_tools::tolerance(1e-13));
+      BOOST_TEST(found.potential[i] == exact.potential[i], boost::test_tools::tolerance(1e-13));
     }
   }
 }
@@ -194,8 +189,9 @@ BOOST_AUTO_TEST_CASE(tree_against_direct_summation_in_three_dimensions) {
 }
 
 BOOST_AUTO_TEST_CASE(tree_against_direct_summation_of_cylinders) {
-  check_errors(uniform_ball<2>(4000), 1.5e-4, 1.5e-3);
-  check_errors(uniform_ball<2>(3000, 10.0, 1e15, 1e6), 1.5e-4, 1.5e-3);
+  // One in a hundred particles is within 0.1 R, where the field is below a tenth of that at the surface.
+  check_errors(uniform_ball<2>(4000), 1.5e-4, 3e-3);
+  check_errors(uniform_ball<2>(3000, 10.0, 1e15, 1e6), 1.5e-4, 3e-3);
 }
 
 BOOST_AUTO_TEST_CASE(the_same_bits_in_any_order_for_any_targets_on_any_number_of_threads) {
@@ -308,6 +304,6 @@ BOOST_AUTO_TEST_CASE(options_out_of_range_are_refused) {
   options.opening = 1.0;
   BOOST_CHECK_THROW(gravity::tree<3>{options}, std::invalid_argument);
   options = {};
-  options.leaf = 0;
+  options.tolerance = 0.0;
   BOOST_CHECK_THROW(gravity::tree<2>{options}, std::invalid_argument);
 }
