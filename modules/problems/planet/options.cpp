@@ -141,7 +141,8 @@ void fill_engine(options& o) {
   d.length.fill(2.0 * R);
   gravity::tree_options tree;
   tree.gravitational_constant = gravitational_constant;
-  if (o.opening > 0.0) tree.opening = o.opening;
+  tree.opening = o.opening;
+  tree.tolerance = o.tolerance;
   g.self_gravity = tree;
 }
 
@@ -156,6 +157,7 @@ void declare(namelist::schema& schema, options& o) {
   common.start.settle = 6.0;
   const gravity::tree_options tree;
   o.opening = tree.opening;
+  o.tolerance = tree.tolerance;
   schema.group("planet", "a sphere of layers in hydrostatic equilibrium under its own gravity");
   schema.add("planet", "mass", o.mass, positive("kg", "of the planet"));
   schema.add("planet", "radius", o.radius,
@@ -175,6 +177,11 @@ void declare(namelist::schema& schema, options& o) {
                          "fields"});
   schema.add("planet", "opening", o.opening,
              for_expert(namelist::up_to(0.99, "self-gravity: largest opening angle of the tree")));
+  schema.add("planet", "tolerance", o.tolerance,
+             for_expert({.minimum = 0.0,
+                         .maximum = 0.1,
+                         .exclusive_minimum = true,
+                         .meaning = "self-gravity: error of multipoles, of a lower bound of the field"}));
   declare_layers(schema, o.layer);
   schema.group("domain", "who has which particles");
   schema.add(

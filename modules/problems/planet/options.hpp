@@ -23,7 +23,7 @@ struct options {
   double surface_pressure = 1e5, surface_temperature = 300.0;  // Pa, K
   std::string temperature_law = "adiabatic";
   double temperature_exponent = 0.0;
-  double opening = 0.0;  // of the tree
+  double opening = 0.0, tolerance = 0.0;  // of the tree
   layer_options layer;
 
   std::vector<std::string> names;  // of the layers, once resolved

@@ -39,7 +39,7 @@ motion motion_of(const view& w) {
 
 // Mean of |value/profile - 1| by mass, beyond two smoothing lengths of interfaces and within: of density and pressure.
 struct errors {
-  double density, pressure, density_at_interfaces;
+  std::optional<double> density, pressure, density_at_interfaces;  // none: no particle is there
 };
 
 errors errors_of(const view& w, const profile& planet, double h_over_dx, const point& centre) {
@@ -63,7 +63,7 @@ errors errors_of(const view& w, const profile& planet, double h_over_dx, const p
   const double M = w.ranks.exact(mass), N = w.ranks.exact(near_mass);
   const auto mean = [&](const foundation::exact_sum& sum, double by) {
     const double all = w.ranks.exact(sum);
-    return by > 0.0 ? all / by : 0.0;
+    return by > 0.0 ? std::optional(all / by) : std::nullopt;
   };
   return {mean(density, M), mean(pressure, M), mean(near, N)};
 }
