@@ -30,6 +30,7 @@ constexpr std::array quantities{
     quantity{"PressureEOS", "Pa", "pressure straight from the equation of state"},
     quantity{"SoundSpeed", "m/s", "adiabatic sound speed"},
     quantity{"InternalEnergy", "J/kg", "specific internal energy"},
+    quantity{"GravitationalPotential", "J/kg", "of the own gravity of all particles"},
     quantity{"InternalEnergyGain", "J/kg", "specific internal energy gained since the start"},
     quantity{"Viscosity", "Pa s", "dynamic viscosity"},
     quantity{"ArtificialViscosity", "1", "coefficient alpha of the artificial viscosity"},

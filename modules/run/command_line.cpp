@@ -237,7 +237,10 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
     if (speaks) print(resolved_with_copies(schema, {}, first_line));
     return "";
   }
-  if (in.need) line.particles_at = schema.where("domain", "particles_x") + ": &domain particles_x";
+  if (in.need) {
+    const auto& [group, key] = in.particles_key;
+    line.particles_at = schema.where(group, key) + ": &" + group + " " + key;
+  }
   return resolved_with_copies(schema, line.files, first_line);
 }
 
@@ -295,6 +298,8 @@ std::string program_of_group(const std::string& group) {
                                                         {"rti", "rti"},
                                                         {"drop", "drop"},
                                                         {"flow", "flow"},
+                                                        {"planet", "planet"},
+                                                        {"layer", "planet"},
                                                         {"machine", "balance"},
                                                         {"distribution", "balance"}};
   const auto found = of.find(group);

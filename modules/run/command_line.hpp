@@ -37,6 +37,7 @@ struct program_input {
   std::function<void(namelist::schema&)> declare;         // all groups and keys
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
   std::function<memory_need()> need = {};                 // after complete; none: it is no matter
+  std::pair<std::string, std::string> particles_key = {"domain", "particles_x"};  // where their number is given
   // Settings for a rehearsal of the run, group.key=value (rehearsal.hpp).
   std::vector<std::string> rehearsed_with = {};
   // Before declare: what the input's groups say of the problem. None: there is but one.

@@ -101,7 +101,8 @@ class particle_simulation : public simulation {
     const auto all = fields();
     for (std::size_t k = 0; k < all.size(); ++k) {
       double* const value = all[k].data;
-      bool kicked = false, drifts = value == s.rho.data() || value == s.Y.data();
+      bool kicked = false,
+           drifts = value == s.rho.data() || value == s.Y.data() || (settles_at_fixed_entropy() && value == s.u.data());
       for (std::size_t a = 0; a < D; ++a) {
         kicked = kicked || value == s.v[a].data();
         drifts = drifts || value == s.x[a].data();
@@ -255,6 +256,8 @@ class particle_simulation : public simulation {
   virtual double diffusion_radius() { return 0.0; }
   // m/s, the fastest at the start, of pressure over mass; 0: accelerations say nothing of a balance.
   virtual double sound_of_start() { return 0.0; }
+  // Whether the internal energy follows the work of pressure while a start settles, or stays.
+  virtual bool settles_at_fixed_entropy() const { return false; }
   // Whether displacements count from where a settled start comes to rest.
   virtual bool starts_anew() const { return true; }
   // s, of the present state, once its rate is known: a bound for the next step.

@@ -2,5 +2,9 @@
 #include <run/passes.hpp>
 
 std::unique_ptr<tetsuame::run::simulation> tetsuame::gas::make_3d(const options& o, const std::vector<level>& coarser) {
-  return std::make_unique<flow<3>>(o, coarser);
+  return std::make_unique<flow<3>>(o, make_setup(o), coarser);
+}
+
+std::unique_ptr<tetsuame::run::simulation> tetsuame::gas::make_3d(const options& o, setup start) {
+  return std::make_unique<flow<3>>(o, std::move(start), std::vector<level>{});
 }

@@ -9,11 +9,11 @@ import unittest
 
 from running import ALL, BAD_INPUT, CALCULATION_FAILED, COMPLETED, INPUTS, SLOW, Case
 
-PROGRAMS = [*ALL, "disph_f2", "disph_n", "disph_y", "ssph", "rti", "drop", "conduction", "convection", "flow", "shock"]
+PROGRAMS = [*ALL, "disph_f2", "disph_n", "disph_y", "ssph", "rti", "drop", "conduction", "convection", "flow", "shock", "planet"]
 MOST = {True: 10, False: 24}  # particles along an axis, in three dimensions and in fewer
 STEPS = 100 if SLOW else 3
 OF_LIQUIDS = ("a liquid's", "rti", "drop")  # whose inputs all programs for liquids read
-NOT_LIQUIDS = ("conduction", "convection", "flow", "shock")
+NOT_LIQUIDS = ("conduction", "convection", "flow", "shock", "planet")
 
 # How a calculation is known to fail: programs, inputs, message. The plain iteration of A and B cannot converge for a liquid,
 # nor Newton's method where there is no state with p > 0 (docs/theory/hosono_iteration.md). B and D have nothing behind their
@@ -28,6 +28,8 @@ KNOWN = [("disph_[ab]", r"hydrostatic_.*|slides_by_program", r"Hosono's iteratio
 
 def particles(path):
     """The settings that leave an input at most so many particles along an axis, in the same proportions."""
+    if "&planet" in path.read_text():
+        return {"planet.particles": 500, "expert.settle": 0}
     found = {name: int(n) for line in path.read_text().splitlines() for name, n in re.findall(r"\b(particles_[xyz])\s*=\s*(\d+)", line.split("!")[0])}
     most = MOST["particles_z" in found]
     if max(found.values(), default=0) <= most:

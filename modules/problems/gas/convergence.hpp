@@ -3,7 +3,7 @@
 #pragma once
 
 #include <functional>
-#include <gas/options.hpp>
+#include <gas/setups.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <run/command_line.hpp>
@@ -39,6 +39,8 @@ void run_all(const options& o, const std::string& resolved, const std::vector<co
 std::unique_ptr<run::simulation> make_1d(const options& o, const std::vector<level>& coarser);
 std::unique_ptr<run::simulation> make_2d(const options& o, const std::vector<level>& coarser);
 std::unique_ptr<run::simulation> make_3d(const options& o, const std::vector<level>& coarser);
+// In three dimensions, with a start that is no test of make_setup.
+std::unique_ptr<run::simulation> make_3d(const options& o, setup start);
 
 // For summary.json: by level, and the orders. A level without errors, or at another time, is named and left out.
 nlohmann::ordered_json convergence(std::vector<level> levels, const level& finest);

@@ -137,6 +137,11 @@ class list_of_passes {
   void declare() {
     const double speed = g_.speed_scale;
     g_.sources.declare(g_.o.sources, g_, e);
+    if constexpr (D > 1)
+      if (g_.o.self_gravity) {
+        g_.attraction = std::make_unique<gravity::self<D>>(*g_.o.self_gravity);
+        g_.attraction->declare(g_, g_.S);
+      }
     e.integrate_motion({0.0, 0.0, speed});
     u_ = e.integrate(s_.u, {"u", 0.0, speed * speed});
     if (g_.o.has_alpha()) extra_ = e.integrate(g_.alpha, {"alpha", 0.0, 1.0});
@@ -158,6 +163,8 @@ class list_of_passes {
     if (has_factor_) find_geometric_factor();
     if (g_.second_order || g_.evolves_density) find_gradients();
     find_forces();
+    if constexpr (D > 1)
+      if (g_.attraction) g_.attraction->declare_pass(e);
     if (g_.molecular.any()) find_transport();
     find_rates();
     e.complete(passes::behind_walls::images);

@@ -21,6 +21,7 @@ template <int D>
 struct totals {
   double mass, kinetic, internal, potential, momentum_scale;
   std::array<double, D> momentum;
+  std::array<double, 3> angular_momentum;  // kg m²/s, about the origin of the box
   double energy() const { return kinetic + internal + potential; }
   double scale() const { return kinetic + std::abs(internal) + std::abs(potential); }  // of bodies at rest and cold too
 };
@@ -30,22 +31,34 @@ totals<D> sum_up(const world<D>& g) {
   const auto& s = g.w.s;
   foundation::exact_sum mass, kinetic, internal, potential, scale;
   std::array<foundation::exact_sum, D> momentum;
+  std::array<foundation::exact_sum, 3> angular;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     double v2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) {
       v2 += s.v[a][i] * s.v[a][i];
       momentum[a].add(s.m[i] * s.v[a][i]);
     }
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+      if (b < D && c < D) angular[a].add(s.m[i] * (s.x[b][i] * s.v[c][i] - s.x[c][i] * s.v[b][i]));
+    }
     mass.add(s.m[i]);
     kinetic.add(0.5 * s.m[i] * v2);
     internal.add(s.m[i] * s.u[i]);
-    if constexpr (D > 1) potential.add(s.m[i] * g.o.shock.gravity * s.x[1][i]);
+    if constexpr (D > 1)
+      potential.add(s.m[i] * (g.attraction ? 0.5 * g.attraction->potential()[i] : g.o.shock.gravity * s.x[1][i]));
     scale.add(s.m[i] * (std::sqrt(v2) + g.sound_speed(i)));
   }
   const auto& ranks = g.ranks();
-  totals<D> t{ranks.exact(mass),      ranks.exact(kinetic), ranks.exact(internal),
-              ranks.exact(potential), ranks.exact(scale),   {}};
+  totals<D> t{ranks.exact(mass),
+              ranks.exact(kinetic),
+              ranks.exact(internal),
+              ranks.exact(potential),
+              ranks.exact(scale),
+              {},
+              {}};
   for (std::size_t a = 0; a < D; ++a) t.momentum[a] = ranks.exact(momentum[a]);
+  for (std::size_t a = 0; a < 3; ++a) t.angular_momentum[a] = ranks.exact(angular[a]);
   return t;
 }
 
@@ -128,6 +141,8 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
   add("SmoothingLength", make([&](auto i) { return g.S[i] / g.support_over_h; }));
   add("Material", make([&](auto i) { return s.material[i]; }));
   add("InternalEnergy", s.u.data());
+  if constexpr (D > 1)
+    if (g.attraction) add("GravitationalPotential", g.attraction->potential().data());
   if (g.o.has_alpha()) add("ArtificialViscosity", g.alpha.data());
   if (!g.test.exact) return group;
   std::vector<state> exact;
@@ -148,8 +163,8 @@ class flow : public run::particle_simulation<D> {
   using base = run::particle_simulation<D>;
   using base::ranks;
 
-  flow(const options& o, const std::vector<level>& coarser)
-      : base(g_, o.common), g_(o, make_setup(o)), coarser_(coarser) {
+  flow(const options& o, setup start, const std::vector<level>& coarser)
+      : base(g_, o.common), g_(o, std::move(start)), coarser_(coarser) {
     set_up(g_);
     passes_.declare();
   }
@@ -180,6 +195,7 @@ class flow : public run::particle_simulation<D> {
   double sound_of_start() override { return g_.speed_scale; }
   run::apart moved() override { return gas::moved(g_); }
   double allowance() const override { return gas::allowance(g_); }
+  bool settles_at_fixed_entropy() const override { return true; }
   bool widens_lists() const override { return true; }  // the signal velocity limits steps too
 
   void commit_lagged() override {
@@ -194,6 +210,13 @@ class flow : public run::particle_simulation<D> {
   std::vector<output::history_column> measured_columns() const override {
     std::vector<output::history_column> all{
         {"kinetic_energy", "J"}, {"internal_energy", "J"}, {"momentum_x", "kg m/s"}, {"density_max", "kg/m^3"}};
+    if (g_.in_open_space()) {
+      constexpr std::array axis{"x", "y", "z"};
+      for (std::size_t a = 1; a < D; ++a) all.push_back({std::string("momentum_") + axis[a], "kg m/s"});
+      for (std::size_t a = D == 3 ? 0 : 2; a < 3; ++a)
+        all.push_back({std::string("angular_momentum_") + axis[a], "kg m^2/s"});
+      if (g_.attraction) all.push_back({"potential_energy", "J"});
+    }
     for (const trace& t : g_.test.traces) all.push_back({t.name, t.unit});
     return all;
   }
@@ -201,6 +224,11 @@ class flow : public run::particle_simulation<D> {
     const totals<D> now = sum_up(g_);
     if (!first_) first_ = now;
     std::vector<double> all{now.kinetic, now.internal, now.momentum[0], largest_density(g_)};
+    if (g_.in_open_space()) {
+      all.insert(all.end(), now.momentum.begin() + 1, now.momentum.end());
+      all.insert(all.end(), now.angular_momentum.begin() + (D == 3 ? 0 : 2), now.angular_momentum.end());
+      if (g_.attraction) all.push_back(now.potential);
+    }
     std::vector<double> sample{time};
     for (const trace& t : g_.test.traces) sample.push_back(t.value(particles_seen(g_)));
     all.insert(all.end(), sample.begin() + 1, sample.end());
@@ -218,6 +246,13 @@ class flow : public run::particle_simulation<D> {
                       {"energy", (now.energy() - g_.sources.supplied()) / first_->energy() - 1.0}};
     r.metrics["energy_residual"] = (now.energy() - first_->energy() - g_.sources.supplied()) / first_->scale();
     g_.sources.tell(r.metrics);
+    if (g_.test.scales) report_drift(now, r.metrics);
+    if constexpr (D > 1)
+      if (g_.attraction) {
+        const auto errors = g_.attraction->against_direct_sum();
+        r.metrics["gravity_error_median"] = errors.median;
+        r.metrics["gravity_error_99"] = errors.most;
+      }
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
     for (const auto& [name, value] : g_.test.known) r.metrics[name] = run::or_null(value);
@@ -239,7 +274,9 @@ class flow : public run::particle_simulation<D> {
   void restore_globals(const output::checkpoint_globals& from) override {
     base::restore_globals(from);
     numbers_of_totals all;
-    std::copy_n(from.blobs.at("first_totals").begin(), all.size(), all.begin());
+    const auto& saved = from.blobs.at("first_totals");
+    if (saved.size() != all.size()) foundation::fail_file("the checkpoint is of another version of this program");
+    std::copy_n(saved.begin(), all.size(), all.begin());
     first_ = std::bit_cast<totals<D>>(all);
     const auto& flat = from.blobs.at("samples");
     const auto width = static_cast<std::ptrdiff_t>(1 + g_.test.traces.size());
@@ -255,6 +292,19 @@ class flow : public run::particle_simulation<D> {
   }
 
  private:
+  // From the first line of the history on, over the scales of the setup.
+  void report_drift(const totals<D>& now, nlohmann::ordered_json& metrics) const {
+    const auto change = [](const auto& a, const auto& b) {
+      double all = 0.0;
+      for (std::size_t k = 0; k < a.size(); ++k) all += (a[k] - b[k]) * (a[k] - b[k]);
+      return std::sqrt(all);
+    };
+    metrics["energy_drift"] = metrics["energy_residual"];
+    metrics["momentum_drift"] = change(now.momentum, first_->momentum) / g_.test.scales->momentum;
+    metrics["angular_momentum_drift"] =
+        change(now.angular_momentum, first_->angular_momentum) / g_.test.scales->angular_momentum;
+  }
+
   using numbers_of_totals = std::array<double, sizeof(totals<D>) / sizeof(double)>;
 
   world<D> g_;

@@ -198,7 +198,7 @@ void declare(namelist::schema& schema, options& o) {
 }
 
 eos::any eos_of(const side_options& side) {
-  eos::material_options m;
+  eos::material_options m = side.parameters;
   m.name = side.eos;
   m.tillotson = side.tillotson;
   m.table = side.table;

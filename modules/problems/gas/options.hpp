@@ -8,6 +8,7 @@
 
 #include <array>
 #include <eos/eos.hpp>
+#include <gravity/tree.hpp>
 #include <optional>
 #include <regions/region.hpp>
 #include <run/lists.hpp>
@@ -26,6 +27,7 @@ struct side_options {
   std::string tillotson = "";              // of 'tillotson', its material; empty: iron
   std::string table = "";                  // of 'table', its file
   std::optional<double> temperature = {};  // K
+  eos::material_options parameters = {};   // of the equation of state, beside its name, material and file
 };
 
 struct shock_options {
@@ -61,6 +63,7 @@ struct options {
   regions::all regions;
   sources::options of_sources;
   sources::all sources;
+  std::optional<gravity::tree_options> self_gravity = {};
   run::common_options common;
 
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }

@@ -52,14 +52,25 @@ struct trace {
 using samples = std::vector<std::vector<double>>;                            // [line]: time, then the traces
 using numbers = std::vector<std::pair<std::string, std::optional<double>>>;  // none: could not be measured
 
+// A particle that stands on no lattice.
+struct placed {
+  point x;
+  double mass;  // kg
+};
+
 struct setup {
   std::vector<block> blocks;
-  std::int32_t material_l = 0;  // of the gas on the left or inside, with its gamma and p_infinity
+  std::vector<placed> particles = {};  // after those of the blocks
+  std::int32_t material_l = 0;         // of the gas on the left or inside, with its gamma and p_infinity
   std::function<state(const point&)> start;
   std::function<point(const point&)> moved = {};              // where its particle is put; none: there
   std::function<state(const point&, double t)> exact = {};    // none: no errors
   std::function<bool(const point&, double t)> measured = {};  // where errors are; none: everywhere
   numbers known = {};                                         // of the exact solution, for summary.json
+  struct of_drift {
+    double momentum, angular_momentum;  // kg m/s, kg m²/s
+  };
+  std::optional<of_drift> scales = {};  // over which drifts are told; none: they are not
   std::vector<trace> traces = {};
   std::function<numbers(const view&, const samples&)> measures = {};  // for summary.json; collective
   std::function<void()> expect_used =

@@ -51,6 +51,7 @@ void make_box(world<D>& g) {
   for (std::size_t a = 0; a < D; ++a) {
     region.length[a] = g.o.domain.length[a];
     region.periodic[a] = g.o.domain.periodic[a];
+    region.open[a] = {g.o.domain.open[a], g.o.domain.open[a]};
   }
   g.w.dx = g.o.domain.dx();
   if constexpr (D > 1) g.w.g[1] = -g.o.shock.gravity;
@@ -84,6 +85,7 @@ void for_each_start(const setup& t, F&& f) {
       if (!b.holds || b.holds(x)) f(x, volume);
     }
   }
+  for (const placed& p : t.particles) f(p.x, p.mass / t.start(p.x).rho);
 }
 
 template <int D>

@@ -5,6 +5,8 @@
 #include <bit>
 #include <eos/caloric.hpp>
 #include <gas/setups.hpp>
+#include <gravity/self_gravity.hpp>
+#include <memory>
 #include <particles/named_fields.hpp>
 #include <run/supports.hpp>
 #include <schemes/common.hpp>
@@ -46,6 +48,8 @@ struct world : run::state<D>, schemes::arrays<D> {
   particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
 
   sources::fields<D> sources = {};
+  struct no_attraction {};  // of one dimension
+  std::unique_ptr<std::conditional_t<(D > 1), gravity::self<D>, no_attraction>> attraction = {};
 
   particles::array& number_volume = this->derived("NumberVolume", "m^D", "1/n");
   // Of the gas itself, where it has friction or conducts.
@@ -66,6 +70,12 @@ struct world : run::state<D>, schemes::arrays<D> {
     return particles::declare(w.s, name, of_unit, role, about);
   }
   const domain::communicator& ranks() const { return w.d.ranks; }
+  // Nothing stands at any side: momentum and angular momentum are kept.
+  bool in_open_space() const {
+    for (std::size_t a = 0; a < D; ++a)
+      if (!o.domain.open[a]) return false;
+    return D > 1;
+  }
   schemes::fields<D> fields() { return {w.s, *this}; }
 
   // weight = 'power': of V = w/y and u, with y of the last sums.

@@ -1,0 +1,141 @@
+// Self-gravity as a pass: the acceleration and the potential of all particles of the run, of all ranks, by the tree
+// (tree.hpp). Every rank gathers the whole cloud, 48 bytes a particle, and builds the same tree.
+#pragma once
+
+#include <algorithm>
+#include <domain/communicator.hpp>
+#include <foundation/exact_sum.hpp>
+#include <gravity/direct.hpp>
+#include <gravity/tree.hpp>
+#include <numeric>
+#include <passes/evaluation.hpp>
+#include <vector>
+
+namespace tetsuame::gravity {
+
+template <int D>
+class self {
+ public:
+  explicit self(const tree_options& options) : options_(options), tree_(options) {}
+  self(const self&) = delete;  // the pass refers to it
+  self& operator=(const self&) = delete;
+
+  // Declares the fields, once a run. support: m, of each particle, from where its field is Newton's.
+  void declare(run::state<D>& box, particles::array& support) {
+    box_ = &box;
+    support_ = &support;
+    auto& w = box.w;
+    w.accelerations = particles::declare_vector<D>(w.s, "GravitationalAcceleration", "m/s^2", particles::role::derived);
+    potential_ = &particles::declare(w.s, "GravitationalPotential", "J/kg", particles::role::derived);
+    w.gravity_varies = true;
+  }
+  void declare_pass(passes::evaluation<D>& e) {
+    auto& w = box_->w;
+    e.whole("gravity", {.reads = {w.s.x, w.s.m, *support_}, .writes = {w.accelerations, *potential_}},
+            [this] { find(); });
+  }
+
+  const particles::array& potential() const { return *potential_; }
+  // Collective. J (2-D: J/m): half the sum of m φ, of the last evaluation.
+  double energy() const {
+    const auto& s = box_->w.s;
+    foundation::exact_sum twice;
+    for (std::size_t i = 0; i < s.fluid; ++i) twice.add(s.m[i] * (*potential_)[i]);
+    return 0.5 * box_->w.d.ranks.exact(twice);
+  }
+
+  // Collective. |a - a_direct|/|a_direct| of the last evaluation: the median, and what 99 % are below. Of every n-th
+  // particle by ID, 500 or so.
+  struct errors {
+    double median, most;
+  };
+  errors against_direct_sum() {
+    const auto& s = box_->w.s;
+    const auto& ranks = box_->w.d.ranks;
+    gather();
+    const auto every = static_cast<std::int64_t>(std::max<std::size_t>(1, cloud_.id.size() / 500));
+    std::vector<double> found;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      if (s.id[i] % every != 0) continue;
+      std::array<double, D> a;
+      double phi, difference = 0.0, size = 0.0;
+      field<D> to{{}, &phi};
+      for (std::size_t k = 0; k < D; ++k) to.acceleration[k] = &a[k];
+      direct<D>(cloud_.view(), options_.gravitational_constant, cloud_.first + i, cloud_.first + i + 1, to);
+      for (std::size_t k = 0; k < D; ++k) {
+        difference += std::pow(box_->w.accelerations[k][i] - a[k], 2);
+        size += a[k] * a[k];
+      }
+      if (size > 0.0) found.push_back(std::sqrt(difference / size));
+    }
+    const auto counts = ranks.every(static_cast<double>(found.size()));
+    std::vector<double> all;
+    collect(found, counts, all);
+    if (all.empty()) return {0.0, 0.0};
+    std::ranges::sort(all);
+    return {all[all.size() / 2], all[std::min(all.size() - 1, all.size() * 99 / 100)]};
+  }
+
+ private:
+  // Of all ranks, one behind the other; this rank's begin at `first`.
+  struct gathered {
+    std::array<std::vector<double>, D> x;
+    std::vector<double> mass, support;
+    std::vector<std::uint64_t> id;
+    std::size_t first = 0;
+    cloud<D> view() const {
+      cloud<D> all{{}, mass.data(), support.data(), id.data(), id.size()};
+      for (std::size_t a = 0; a < D; ++a) all.x[a] = x[a].data();
+      return all;
+    }
+  };
+
+  template <class T>
+  void collect(std::span<const T> mine, const std::vector<double>& counts, std::vector<T>& all) const {
+    const auto& ranks = box_->w.d.ranks;
+    std::vector<int> number, begin;
+    int total = 0;
+    for (const double n : counts) {
+      number.push_back(static_cast<int>(n));
+      begin.push_back(total);
+      total += number.back();
+    }
+    all.resize(static_cast<std::size_t>(total));
+    const auto type = std::is_same_v<T, double> ? MPI_DOUBLE : MPI_UINT64_T;
+    MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), type, all.data(), number.data(), begin.data(), type,
+                   ranks.comm);
+  }
+  void collect(const std::vector<double>& mine, const std::vector<double>& counts, std::vector<double>& all) const {
+    collect(std::span<const double>(mine), counts, all);
+  }
+
+  void gather() {
+    const auto& s = box_->w.s;
+    const auto& ranks = box_->w.d.ranks;
+    const auto counts = ranks.every(static_cast<double>(s.fluid));
+    const auto of = [&](const particles::array& a) { return std::span<const double>(a.data(), s.fluid); };
+    for (std::size_t a = 0; a < D; ++a) collect(of(s.x[a]), counts, cloud_.x[a]);
+    collect(of(s.m), counts, cloud_.mass);
+    collect(of(*support_), counts, cloud_.support);
+    const std::vector<std::uint64_t> id(s.id.begin(), s.id.begin() + static_cast<std::ptrdiff_t>(s.fluid));
+    collect(std::span<const std::uint64_t>(id), counts, cloud_.id);
+    cloud_.first = static_cast<std::size_t>(
+        std::accumulate(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(ranks.rank), 0.0));
+  }
+  void find() {
+    gather();
+    auto& w = box_->w;
+    field<D> to{{}, potential_->data()};
+    for (std::size_t a = 0; a < D; ++a) to.acceleration[a] = w.accelerations[a].data();
+    tree_(cloud_.view(), cloud_.first, cloud_.first + w.s.fluid, to);
+  }
+
+  const tree_options options_;
+  tree<D> tree_;
+  gathered cloud_;
+  run::state<D>* box_ = nullptr;
+  particles::array* support_ = nullptr;
+  particles::array* potential_ = nullptr;
+};
+
+}  // namespace tetsuame::gravity

@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <eos/keys.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <planet/options.hpp>
+
+namespace tetsuame::planet {
+
+namespace {
+
+using namelist::between, namelist::for_expert, namelist::positive;
+
+constexpr std::size_t most_layers = 2;
+constexpr const char* group = "layer";
+
+namelist::key_info list(namelist::key_info of_one) {
+  of_one.maximum_size = most_layers;
+  of_one.sparse = of_one.may_be_left_open = true;
+  return of_one;
+}
+
+template <class T>
+std::optional<T> of(const std::vector<T>& values, std::size_t n) {
+  if (n >= values.size()) return std::nullopt;
+  if constexpr (std::is_same_v<T, double>) {
+    if (!std::isfinite(values[n])) return std::nullopt;
+  } else {
+    if (values[n].empty()) return std::nullopt;
+  }
+  return values[n];
+}
+
+std::size_t given(const layer_options& l) {
+  std::size_t most = 0;
+  const auto look = [&](const auto&... lists) { ((most = std::max(most, lists.size())), ...); };
+  look(l.name, l.eos, l.tillotson, l.table, l.fraction);
+  for (const auto& values : l.parameters) look(values);
+  return most;
+}
+
+void declare_layers(namelist::schema& schema, layer_options& l) {
+  schema.group(group, "a layer of the planet, from the centre outwards: the first &layer is the core; once or twice");
+  std::vector<std::string> equations;
+  for (const auto& name : eos::names()) equations.emplace_back(name);
+  const auto add = [&](const char* key, auto& to, const namelist::key_info& info) {
+    schema.add(group, key, to, list(info));
+  };
+  add("name", l.name, {.meaning = "letters, digits and _"});
+  add("fraction", l.fraction, namelist::up_to(1.0, "of the planet's mass; where &planet radius is given it follows"));
+  add("eos", l.eos, {.choices = equations, .meaning = "equation of state; its parameters follow"});
+  add("tillotson", l.tillotson, {.meaning = "of eos = 'tillotson': iron, granite or basalt; not given: iron"});
+  add("table", l.table, eos::key_of_table());
+  for (std::size_t k = 0; k < eos::parameters.size(); ++k)
+    schema.add(group, std::string(eos::parameters[k].key), l.parameters[k], list(eos::key_of(eos::parameters[k])));
+}
+
+void resolve_layers(const namelist::schema& schema, options& o) {
+  const std::size_t number = given(o.layer);
+  if (number == 0) foundation::fail_input("&layer: a planet has one layer at least");
+  for (std::size_t n = 0; n < number; ++n) {
+    const auto name = of(o.layer.name, n).value_or(number == 1 ? "body" : n == 0 ? "core" : "mantle");
+    const auto eos = of(o.layer.eos, n);
+    if (!eos) schema.fail_at(group, "eos", n, fmt::format("layer '{}' has no equation of state", name));
+    eos::material_options m;
+    m.name = *eos;
+    m.tillotson = of(o.layer.tillotson, n).value_or("");
+    m.table = of(o.layer.table, n).value_or("");
+    if (!m.tillotson.empty() && m.name != "tillotson") schema.fail_at(group, "tillotson", n, "is of eos = 'tillotson'");
+    if (!m.table.empty() && m.name != "table") schema.fail_at(group, "table", n, "is of eos = 'table'");
+    for (std::size_t k = 0; k < eos::parameters.size(); ++k)
+      if (const auto value = of(o.layer.parameters[k], n)) m.*eos::parameters[k].member = *value;
+    o.names.push_back(name);
+    o.materials.push_back(m);
+  }
+}
+
+double fraction_of(const namelist::schema& schema, const options& o, std::size_t n) {
+  const auto value = of(o.layer.fraction, n);
+  if (!value) schema.fail_at(group, "fraction", n, fmt::format("layer '{}' has no fraction of the mass", o.names[n]));
+  return *value;
+}
+
+void resolve_structure(const namelist::schema& schema, options& o) {
+  structure_input in{{}, *o.mass, o.surface_pressure, o.surface_temperature};
+  in.law = o.temperature_law == "power"       ? temperature_law::power
+           : o.temperature_law == "adiabatic" ? temperature_law::adiabatic
+                                              : temperature_law::isothermal;
+  in.exponent = o.temperature_exponent;
+  if (o.temperature_exponent != 0.0 && o.temperature_law != "power")
+    schema.fail("planet", "temperature_exponent", "belongs to temperature_law = 'power'");
+  const std::size_t number = o.materials.size();
+  for (std::size_t n = 0; n < number; ++n)
+    in.layers.push_back({o.names[n], schema.placed("planet", "mass", [&] { return eos::make(o.materials[n]); }), 1.0});
+  if (o.radius) {
+    if (number != 2)
+      schema.fail("planet", "radius", "with a radius the fraction of the core follows, which needs two of &layer");
+    for (std::size_t n = 0; n < number; ++n)
+      if (of(o.layer.fraction, n)) schema.fail_at(group, "fraction", n, "follows from &planet radius: leave one out");
+    o.structure = schema.placed("planet", "radius", [&] { return structure_of_radius(in, *o.radius); });
+    return;
+  }
+  double sum = 0.0;
+  for (std::size_t n = 0; n < number; ++n)
+    sum += in.layers[n].fraction = number == 1 ? of(o.layer.fraction, n).value_or(1.0) : fraction_of(schema, o, n);
+  if (std::abs(sum - 1.0) > 1e-9)
+    schema.fail_at(group, "fraction", number - 1,
+                   fmt::format("the fractions of the layers add up to {:.10g}: expected 1", sum));
+  o.structure = schema.placed("planet", "mass", [&] { return structure_of_mass(in); });
+}
+
+// What the engine of gas takes: layer 0 is its 'left' material, the last one its 'right' one.
+void fill_engine(options& o) {
+  auto& g = o.gas;
+  auto& s = g.shock;
+  s.scheme = o.scheme;
+  s.weight = "volume";
+  s.tension = false;
+  const auto& layers = o.structure->layers();
+  const auto fill = [&](gas::side_options& side, std::size_t n) {
+    const auto& levels = layers[n].levels;
+    const level& middle = levels[levels.size() / 2];
+    side.eos = o.materials[n].name;
+    side.tillotson = o.materials[n].tillotson;
+    side.table = o.materials[n].table;
+    side.parameters = o.materials[n];
+    side.rho = middle.rho;
+    side.p = middle.p;
+    side.temperature = middle.T;
+  };
+  fill(s.l, 0);
+  fill(s.r, layers.size() - 1);
+  auto& d = g.domain;
+  const double R = o.structure->radius();
+  const double dx = std::cbrt(4.0 * std::numbers::pi / 3.0 / static_cast<double>(o.particles)) * R;
+  d.dimension = 3;
+  d.open = {true, true, true};
+  d.particles.fill(std::llround(2.0 * R / dx));
+  d.length.fill(2.0 * R);
+  gravity::tree_options tree;
+  tree.gravitational_constant = gravitational_constant;
+  tree.opening = o.opening;
+  tree.tolerance = o.tolerance;
+  g.self_gravity = tree;
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, options& o) {
+  auto& common = o.gas.common;
+  common.time.method = "adaptive";
+  common.time.rtol = 0.02;
+  common.kernel.name = "wendland_c4";
+  common.kernel.skin = 0.5;
+  common.start.settle = 6.0;
+  const gravity::tree_options tree;
+  o.opening = tree.opening;
+  o.tolerance = tree.tolerance;
+  schema.group("planet", "a sphere of layers in hydrostatic equilibrium under its own gravity");
+  schema.add("planet", "mass", o.mass, positive("kg", "of the planet"));
+  schema.add("planet", "radius", o.radius,
+             positive("m", "of the planet: the fractions of two layers follow; not given: it follows from them"));
+  schema.add("planet", "surface_pressure", o.surface_pressure, positive("Pa", "at the surface"));
+  schema.add("planet", "surface_temperature", o.surface_temperature, positive("K", "at the surface"));
+  schema.add("planet", "temperature_law", o.temperature_law,
+             {.choices = {"adiabatic", "isothermal", "power"},
+              .meaning = "inwards, T on each layer's adiabat, the same throughout, or proportional to "
+                         "density^temperature_exponent in each layer; continuous where layers meet"});
+  schema.add("planet", "temperature_exponent", o.temperature_exponent,
+             between(-10.0, 10.0, "temperature_law = 'power': exponent of the density"));
+  schema.add("planet", "particles", o.particles, between(100, 1e9, "of equal mass, about so many"));
+  schema.add("planet", "scheme", o.scheme,
+             {.choices = {"ssph", "disph", "remix"},
+              .meaning = "standard, density-independent with the volume as weight, or kernels that reproduce linear "
+                         "fields"});
+  schema.add("planet", "opening", o.opening,
+             for_expert(namelist::up_to(0.99, "self-gravity: largest opening angle of the tree")));
+  schema.add("planet", "tolerance", o.tolerance,
+             for_expert({.minimum = 0.0,
+                         .maximum = 0.1,
+                         .exclusive_minimum = true,
+                         .meaning = "self-gravity: error of multipoles, of a lower bound of the field"}));
+  declare_layers(schema, o.layer);
+  schema.group("domain", "who has which particles");
+  schema.add(
+      "domain", "ranks_x", o.gas.domain.ranks_x.number,
+      namelist::changing(between(
+          0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the planet's shape suggests")));
+  schema.add("planet", "alpha", o.gas.shock.alpha, between(0.0, 10.0, "of the artificial viscosity"));
+  run::declare(schema, common,
+               {.kernels = {"quintic", "wendland_c4"},
+                .diffuses = false,
+                .limits_diffusion = false,
+                .starts_from_file = true,
+                .settles = true,
+                .reads = "places, velocities, densities, masses, materials and internal energies"});
+}
+
+void resolve(const namelist::schema& schema, options& o) {
+  auto& g = o.gas;
+  if (!g.common.time.cfl) g.common.time.cfl = g.common.time.method == "euler" ? 0.1 : 0.4;
+  run::resolve(schema, g.common);
+  if (!o.mass) schema.fail("planet", "mass", "must be given");
+  resolve_layers(schema, o);
+  resolve_structure(schema, o);
+  fill_engine(o);
+  g.domain.ranks_x.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
+  if (!g.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
+  std::vector<std::string> fields{"InternalEnergy", "GravitationalPotential"};
+  if (g.has_alpha()) fields.emplace_back("ArtificialViscosity");
+  run::check_output(schema, g.common, g.domain, fields);
+}
+
+std::string summary(const options& o) {
+  const profile& p = *o.structure;
+  const auto core = p.layers().size() < 2 ? std::string()
+                                          : fmt::format("; {} to {:.6g} m, {:.6g} of the mass", o.names[0],
+                                                        p.layers()[0].outer().r, p.layers()[0].outer().m / p.mass());
+  return fmt::format("planet: radius {:.6g} m, in the centre {:.6g} Pa and {:.6g} kg/m3{}\n", p.radius(), p.centre().p,
+                     p.centre().rho, core);
+}
+
+std::string describe(const options& o) {
+  const profile& p = *o.structure;
+  const auto& layers = p.layers();
+  nlohmann::ordered_json j{{"mass", p.mass()},
+                           {"radius", p.radius()},
+                           {"central_pressure", p.centre().p},
+                           {"central_density", p.centre().rho},
+                           {"central_temperature", p.centre().T}};
+  if (layers.size() > 1) {
+    const level &inside = layers[0].outer(), &outside = layers[1].inner();
+    j["core_radius"] = inside.r;
+    j["core_fraction"] = inside.m / p.mass();
+    j["contact_pressure"] = inside.p;
+    j["contact_temperature"] = inside.T;
+    j["contact_density_below"] = inside.rho;
+    j["contact_density_above"] = outside.rho;
+  }
+  std::vector<double> r, rho, pressure, T, m;
+  std::vector<std::string> layer;
+  for (std::size_t n = 0; n < layers.size(); ++n)
+    for (auto l = layers[n].levels.rbegin(); l != layers[n].levels.rend(); ++l) {
+      r.push_back(l->r), rho.push_back(l->rho), pressure.push_back(l->p), T.push_back(l->T), m.push_back(l->m);
+      layer.push_back(o.names[n]);
+    }
+  j["r"] = r, j["density"] = rho, j["pressure"] = pressure, j["temperature"] = T, j["mass_inside"] = m;
+  j["layer"] = layer;
+  return j.dump(1) + "\n";
+}
+
+}  // namespace tetsuame::planet

@@ -1,0 +1,45 @@
+// The input of a planet under its own gravity:
+//   &planet   mass, radius or fractions, surface, temperature, particles, scheme
+//   &layer    a material, from the centre outwards; stands once or twice
+//   &time, &kernel, &output, &run   run/options.hpp
+#pragma once
+
+#include <gas/setups.hpp>
+#include <planet/profile.hpp>
+
+namespace tetsuame::planet {
+
+struct layer_options {  // lists, an element a layer
+  std::vector<std::string> name, eos, tillotson, table;
+  std::vector<double> fraction;
+  std::array<std::vector<double>, eos::parameters.size()> parameters;
+};
+
+struct options {
+  std::int64_t particles = 10000;
+  std::string scheme = "disph";
+  std::optional<double> mass;                                  // kg
+  std::optional<double> radius;                                // m
+  double surface_pressure = 1e5, surface_temperature = 300.0;  // Pa, K
+  std::string temperature_law = "adiabatic";
+  double temperature_exponent = 0.0;
+  double opening = 0.0, tolerance = 0.0;  // of the tree
+  layer_options layer;
+
+  std::vector<std::string> names;  // of the layers, once resolved
+  std::vector<eos::material_options> materials;
+  std::optional<profile> structure;
+  gas::options gas;  // what the engine takes
+};
+
+void declare(namelist::schema& schema, options& o);
+void resolve(const namelist::schema& schema, options& o);
+// Particles, their states, and what is measured of them.
+gas::setup start_of(const options& o);
+// A line for the log: radius, centre, core.
+std::string summary(const options& o);
+// Of the profile, for --profile: JSON, SI units, with arrays of r, density, pressure, temperature and mass_inside from
+// the centre to the surface.
+std::string describe(const options& o);
+
+}  // namespace tetsuame::planet

@@ -1,0 +1,189 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <numbers>
+#include <optional>
+#include <planet/profile.hpp>
+
+namespace tetsuame::planet {
+
+namespace {
+
+constexpr double pi = std::numbers::pi, G = gravitational_constant;
+constexpr int steps_per_layer = 400;
+
+// The state is integrated by s = m^(1/3), since r ∝ s at the centre:
+//   dr/ds = 3 s²/(4 π r² ρ),  dln ρ/ds = -3 G s⁵/(4 π r⁴)/(ρ dp/dρ),  dln T/ds = n dln ρ/ds
+// with n = 0, a or γ and ρ dp/dρ = K_T (1 + α n T) along the way.
+using unknowns = std::array<double, 3>;  // r, ln ρ, ln T
+
+struct path {
+  const structure_input& in;
+  const eos::any& material;
+
+  double slope_of_T(const eos::properties& at, double rho) const {
+    if (in.law == temperature_law::isothermal) return 0.0;
+    return in.law == temperature_law::power ? in.exponent : at.alpha * at.K_T / (rho * at.c_V);
+  }
+  void operator()(const unknowns& y, unknowns& by_s, double s) const {
+    const double rho = std::exp(y[1]), T = std::exp(y[2]);
+    const auto at = eos::evaluate(material, rho, T);
+    const double n = slope_of_T(at, rho), stiffness = at.K_T * (1.0 + at.alpha * n * T);
+    const double q = s / y[0];
+    by_s[0] = 3.0 * q * q / (4.0 * pi * rho);
+    by_s[1] = -3.0 * G * s * q * q * q * q / (4.0 * pi * stiffness);
+    by_s[2] = n * by_s[1];
+  }
+  // What is left about the centre, of one density but for what its own weight adds: p_c = p + (2 π/3) G ρ² r².
+  unknowns centre(const unknowns& y) const {
+    const double rho = std::exp(y[1]), T = std::exp(y[2]);
+    const auto at = eos::evaluate(material, rho, T);
+    const double n = slope_of_T(at, rho), stiffness = at.K_T * (1.0 + at.alpha * n * T);
+    const double gain = 2.0 * pi / 3.0 * G * rho * rho * y[0] * y[0] / stiffness;
+    return {0.0, y[1] + gain, y[2] + n * gain};
+  }
+};
+
+level level_of(const eos::any& material, double s, const unknowns& y) {
+  const double rho = std::exp(y[1]), T = std::exp(y[2]);
+  return {s * s * s, std::max(y[0], 0.0), rho, eos::evaluate(material, rho, T).p, T};
+}
+
+// Inwards from the surface of a planet of this radius, to a small ball about the centre: its radius less that of its
+// mass at its density, over the planet's; where r comes to 0 before, a number below -1.
+struct outcome {
+  double left_over;
+  std::vector<profile::layer_levels> layers;  // from the outside to the inside
+};
+
+outcome integrate(const structure_input& in, double radius, bool keep) {
+  outcome all{0.0, {}};
+  double m = in.mass, p = in.surface_pressure, T = in.surface_temperature, r = radius;
+  for (std::size_t n = in.layers.size(); n-- > 0;) {
+    const layer& now = in.layers[n];
+    const double inner = n == 0 ? 0.0 : std::max(m - now.fraction * in.mass, 0.0);
+    const double begin = std::cbrt(m), step = (std::cbrt(inner) - begin) / steps_per_layer;
+    unknowns y{r, std::log(eos::density(now.material, p, T)), std::log(T)};
+    const path slopes{in, now.material};
+    boost::numeric::odeint::runge_kutta_dopri5<unknowns> stepper;
+    if (keep) all.layers.push_back({{level_of(now.material, begin, y)}});
+    const int steps = n == 0 ? steps_per_layer - 1 : steps_per_layer;
+    for (int k = 0; k < steps; ++k) {
+      const double s = begin + k * step, next = k + 1 == steps_per_layer ? std::cbrt(inner) : s + step;
+      stepper.do_step(slopes, y, s, next - s);
+      if (!(y[0] > 0.0 && std::isfinite(y[1]))) {  // no room for the mass that is left
+        all.left_over = -1.0 - s / std::cbrt(in.mass);
+        return all;
+      }
+      if (keep) all.layers.back().levels.push_back(level_of(now.material, next, y));
+    }
+    if (n == 0) {
+      const double s = begin + steps * step;
+      all.left_over = (y[0] - s * std::cbrt(3.0 / (4.0 * pi * std::exp(y[1])))) / radius;
+      if (keep) all.layers.back().levels.push_back(level_of(now.material, 0.0, slopes.centre(y)));
+      return all;
+    }
+    const level end = level_of(now.material, std::cbrt(inner), y);
+    m = inner, p = end.p, T = end.T, r = y[0];
+  }
+  return all;
+}
+
+// The root of f between low and high, to rounding; none where f has one sign.
+template <class F>
+std::optional<std::array<double, 2>> bracket_root(const F& f, double low, double high) {
+  const double at_low = f(low), at_high = f(high);
+  if (!(at_low * at_high < 0.0)) return std::nullopt;
+  std::uintmax_t most = 200;
+  const auto found = boost::math::tools::toms748_solve(f, low, high, at_low, at_high,
+                                                       boost::math::tools::eps_tolerance<double>(50), most);
+  return std::array{found.first, found.second};
+}
+
+profile complete(const structure_input& in, double radius) {
+  auto whole = integrate(in, radius, true);
+  std::reverse(whole.layers.begin(), whole.layers.end());
+  return profile(std::move(whole.layers));
+}
+
+// The end of the bracket on which the centre is reached.
+template <class F>
+double end_at_centre(const F& f, const std::array<double, 2>& ends) {
+  return f(ends[1]) >= 0.0 ? ends[1] : ends[0];
+}
+
+double radius_of_density(double mass, double rho) { return std::cbrt(3.0 * mass / (4.0 * pi * rho)); }
+
+}  // namespace
+
+profile structure_of_mass(const structure_input& in) {
+  const auto left_over = [&](double radius) { return integrate(in, radius, false).left_over; };
+  const auto ends = bracket_root(left_over, radius_of_density(in.mass, 1e6), radius_of_density(in.mass, 1.0));
+  if (!ends)
+    foundation::fail_input(
+        fmt::format("no planet of {:.6g} kg with these layers has a radius between {:.6g} and {:.6g} m", in.mass,
+                    radius_of_density(in.mass, 1e6), radius_of_density(in.mass, 1.0)));
+  return complete(in, end_at_centre(left_over, *ends));
+}
+
+profile structure_of_radius(structure_input in, double radius) {
+  const auto with = [&](double fraction) {
+    in.layers[0].fraction = fraction;
+    in.layers[1].fraction = 1.0 - fraction;
+  };
+  const auto left_over = [&](double fraction) {
+    with(fraction);
+    return integrate(in, radius, false).left_over;
+  };
+  const auto ends = bracket_root(left_over, 1e-9, 1.0 - 1e-9);
+  if (!ends) {
+    const bool large = left_over(1e-9) > 0.0;
+    foundation::fail_input(
+        fmt::format("no planet of {:.6g} kg and a radius of {:.6g} m: of {} alone it would be {} than that", in.mass,
+                    radius, large ? in.layers[1].name : in.layers[0].name, large ? "smaller" : "larger"));
+  }
+  with(end_at_centre(left_over, *ends));
+  return complete(in, radius);
+}
+
+std::size_t profile::layer_at(double r) const {
+  for (std::size_t n = 0; n + 1 < layers_.size(); ++n)
+    if (r < layers_[n].outer().r) return n;
+  return layers_.size() - 1;
+}
+
+namespace {
+
+// Between two levels, linear in the fraction of what `by` gives.
+level between(const level& a, const level& b, double t) {
+  const auto mix = [t](double x, double y) { return x + t * (y - x); };
+  return {mix(a.m, b.m), std::cbrt(mix(std::pow(a.r, 3), std::pow(b.r, 3))), mix(a.rho, b.rho), mix(a.p, b.p),
+          mix(a.T, b.T)};
+}
+
+template <class By>
+level find(const std::vector<level>& levels, double value, const By& by) {
+  if (value >= by(levels.front())) return levels.front();
+  if (value <= by(levels.back())) return levels.back();
+  const auto after = std::ranges::find_if(levels, [&](const level& l) { return by(l) < value; });
+  const level &a = *(after - 1), &b = *after;
+  return between(a, b, (value - by(a)) / (by(b) - by(a)));
+}
+
+}  // namespace
+
+level profile::at(double r, std::size_t layer) const {
+  level l = find(layers_[layer].levels, r * r * r, [](const level& one) { return one.r * one.r * one.r; });
+  return l;
+}
+
+level profile::at_mass(double m, std::size_t layer) const {
+  return find(layers_[layer].levels, m, [](const level& one) { return one.m; });
+}
+
+}  // namespace tetsuame::planet

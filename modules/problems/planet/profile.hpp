@@ -1,0 +1,74 @@
+// The structure of a spherical planet of layers in hydrostatic equilibrium. With the mass m inside of radius r,
+//   dr/dm = 1/(4 π r² ρ),  dp/dm = -G m/(4 π r⁴),  ρ by the layer's equation of state from p and T,
+// from the surface, where p and T are given, to the centre. T along the way: the same throughout; proportional to ρ^a
+// in each layer; or on the layer's adiabat, dln T/dln ρ = γ. T and p are continuous where layers meet.
+#pragma once
+
+#include <eos/eos.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::planet {
+
+inline constexpr double gravitational_constant = 6.67408e-11;  // m³/(kg s²), CODATA 2014
+
+enum class temperature_law { isothermal, power, adiabatic };
+
+// From the centre outwards.
+struct layer {
+  std::string name;
+  eos::any material;
+  double fraction;  // of the planet's mass
+};
+
+struct structure_input {
+  std::vector<layer> layers;                     // fractions add up to 1
+  double mass;                                   // kg
+  double surface_pressure, surface_temperature;  // Pa, K
+  temperature_law law = temperature_law::isothermal;
+  double exponent = 0.0;  // a of 'power'
+};
+
+// A place of the planet.
+struct level {
+  double m, r, rho, p, T;  // kg inside, m, kg/m³, Pa, K
+};
+
+// Levels from the surface to the centre, both among them; where layers meet there are two, one on either side.
+class profile {
+ public:
+  struct layer_levels {
+    std::vector<level> levels;  // from the outside to the inside
+    const level& outer() const { return levels.front(); }
+    const level& inner() const { return levels.back(); }
+  };
+
+  explicit profile(std::vector<layer_levels> layers) : layers_(std::move(layers)) {}
+
+  // From the centre outwards, as in the input.
+  const std::vector<layer_levels>& layers() const { return layers_; }
+  double radius() const { return layers_.back().outer().r; }
+  double mass() const { return layers_.back().outer().m; }
+  const level& centre() const { return layers_.front().inner(); }
+  // The layer that holds this radius; the outermost beyond the surface.
+  std::size_t layer_at(double r) const;
+  // By cubic Hermite interpolation of r³ and ln ρ, with p and T; relative error below 1e-7. r inside of the layer; the
+  // nearest level's values beyond.
+  level at(double r, std::size_t layer) const;
+  // The radius that encloses m.
+  level at_mass(double m, std::size_t layer) const;
+
+ private:
+  std::vector<layer_levels> layers_;
+};
+
+// The planet of this mass with these fractions; its radius follows, to 1e-10. fail_input: no radius between those of a
+// density of 1 and 1e6 kg/m³ carries it, or a layer's equation of state has no such state, with the layer and the
+// place.
+profile structure_of_mass(const structure_input& input);
+
+// The planet of this mass and radius; the fraction of the innermost of two layers follows, to 1e-10. fail_input: even
+// the one material alone, or the other, makes it larger or smaller.
+profile structure_of_radius(structure_input input, double radius);
+
+}  // namespace tetsuame::planet

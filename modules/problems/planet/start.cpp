@@ -1,0 +1,113 @@
+// The particles of the planet, and what is measured of them against its profile.
+#include <cmath>
+#include <foundation/exact_sum.hpp>
+#include <gas/setup_parts.hpp>
+#include <memory>
+#include <numbers>
+#include <planet/options.hpp>
+#include <planet/shells.hpp>
+
+namespace tetsuame::planet {
+
+namespace {
+
+using gas::point, gas::view;
+
+// Of all particles.
+struct motion {
+  point centre{};       // m, of mass
+  double speed2 = 0.0;  // mean of v² by mass, m²/s²
+};
+
+motion motion_of(const view& w) {
+  foundation::exact_sum mass, square;
+  std::array<foundation::exact_sum, 3> first;
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const point x = w.place(i), v = w.velocity(i);
+    mass.add(w.m[i]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      first[a].add(w.m[i] * x[a]);
+      square.add(w.m[i] * v[a] * v[a]);
+    }
+  }
+  const double M = w.ranks.exact(mass);
+  motion all;
+  for (std::size_t a = 0; a < 3; ++a) all.centre[a] = w.ranks.exact(first[a]) / M;
+  all.speed2 = w.ranks.exact(square) / M;
+  return all;
+}
+
+// Mean of |value/profile - 1| by mass, beyond two smoothing lengths of interfaces and within: of density and pressure.
+struct errors {
+  std::optional<double> density, pressure, density_at_interfaces;  // none: no particle is there
+};
+
+errors errors_of(const view& w, const profile& planet, double h_over_dx, const point& centre) {
+  foundation::exact_sum mass, density, pressure, near_mass, near;
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const double r = gas::distance(w.place(i), centre), h = h_over_dx * std::cbrt(w.volume[i]);
+    double apart = std::abs(r - planet.radius());
+    for (std::size_t n = 0; n + 1 < planet.layers().size(); ++n)
+      apart = std::min(apart, std::abs(r - planet.layers()[n].outer().r));
+    const level here = planet.at(r, planet.layer_at(r));
+    const double of_density = w.m[i] * std::abs(w.rho[i] / here.rho - 1.0);
+    if (apart < 2.0 * h || r > planet.radius()) {
+      near_mass.add(w.m[i]);
+      near.add(of_density);
+      continue;
+    }
+    mass.add(w.m[i]);
+    density.add(of_density);
+    pressure.add(w.m[i] * std::abs(w.p[i] / here.p - 1.0));
+  }
+  const double M = w.ranks.exact(mass), N = w.ranks.exact(near_mass);
+  const auto mean = [&](const foundation::exact_sum& sum, double by) {
+    const double all = w.ranks.exact(sum);
+    return by > 0.0 ? std::optional(all / by) : std::nullopt;
+  };
+  return {mean(density, M), mean(pressure, M), mean(near, N)};
+}
+
+double mass_of(const view& w, std::int32_t material) {
+  foundation::exact_sum mass;
+  for (std::size_t i = 0; i < w.n; ++i)
+    if (w.material[i] == material) mass.add(w.m[i]);
+  return w.ranks.exact(mass);
+}
+
+}  // namespace
+
+gas::setup start_of(const options& o) {
+  const auto planet = std::make_shared<const profile>(*o.structure);
+  const double R = planet->radius(), M = planet->mass();
+  const point centre{R, R, R};
+  gas::setup t;
+  t.material_l = 1;  // the core
+  for (const auto& p : on_shells(*planet, o.names, o.particles))
+    t.particles.push_back({{centre[0] + p.x[0], centre[1] + p.x[1], centre[2] + p.x[2]}, p.mass});
+  const bool layered = planet->layers().size() > 1;
+  t.start = [=](const point& x) {
+    const double r = gas::distance(x, centre);
+    const std::size_t n = planet->layer_at(r);
+    const level here = planet->at(r, n);
+    return gas::state{here.rho, here.p, {}, layered && n == 0 ? 1 : 0, here.T};
+  };
+  const double escape = std::sqrt(2.0 * gravitational_constant * M / R);  // m/s
+  t.scales = {M * escape, M * R * escape};
+  t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(motion_of(w).speed2); }}};
+  const double h_over_dx = o.gas.common.kernel.h_over_dx;
+  t.known = {{"planet_radius", R}, {"central_pressure", planet->centre().p}, {"central_density", planet->centre().rho}};
+  t.measures = [=](const view& w, const gas::samples&) {
+    const motion now = motion_of(w);
+    const errors e = errors_of(w, *planet, h_over_dx, now.centre);
+    gas::numbers told{{"profile_density_error", e.density},
+                      {"profile_pressure_error", e.pressure},
+                      {"profile_density_error_at_interfaces", e.density_at_interfaces},
+                      {"v_rms_over_v_escape", std::sqrt(now.speed2) / escape}};
+    if (layered) told.emplace_back("core_mass", mass_of(w, 1));
+    return told;
+  };
+  return t;
+}
+
+}  // namespace tetsuame::planet

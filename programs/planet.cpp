@@ -1,0 +1,33 @@
+// A planet of layers under its own gravity: its structure, and its particles, settled and free.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <domain/communicator.hpp>
+#include <gas/convergence.hpp>
+#include <output/file.hpp>
+#include <planet/options.hpp>
+#include <run/command_line.hpp>
+#include <run/simulation.hpp>
+
+using namespace tetsuame;
+
+int main(int argc, char** argv) {
+  planet::options o;
+  std::string profile;
+  const run::program_input own{
+      .program = "planet",
+      .restarts = true,
+      .declare = [&](namelist::schema& schema) { planet::declare(schema, o); },
+      .complete = [&](const namelist::schema& schema) { planet::resolve(schema, o); },
+      .need = [&] { return run::need_of(static_cast<double>(o.particles), 1080.0, o.gas.common.kernel, 3); },
+      .particles_key = {"planet", "particles"},
+      .add_options =
+          [&](CLI::App& app, run::command_line&) {
+            app.add_option("--profile", profile, "write the planet's structure to this file, as JSON, and stop")
+                ->type_name("FILE.json");
+          }};
+  return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
+    if (!profile.empty()) return output::write_text(MPI_COMM_WORLD, profile, planet::describe(o));
+    if (domain::communicator::world().rank == 0) std::fputs(planet::summary(o).c_str(), stderr);
+    run::carry_out(*gas::make_3d(o.gas, planet::start_of(o)), o.gas.common, line, resolved);
+  });
+}

@@ -1,0 +1,158 @@
+// The structure of planets against solutions in closed form and another code's, and the particles on shells.
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <numbers>
+#include <planet/shells.hpp>
+
+using namespace tetsuame;
+using planet::structure_input, planet::temperature_law, planet::profile;
+
+namespace {
+
+constexpr double pi = std::numbers::pi, G = planet::gravitational_constant;
+
+eos::any tillotson(const char* material, double heat_capacity) {
+  eos::material_options m{.name = "tillotson", .tillotson = material};
+  m.reference_temperature = 1e-6;  // energies from the cold curve
+  m.heat_capacity = heat_capacity;
+  return eos::make(m);
+}
+
+// Iron below basalt, T ∝ ρ²; the mass and the radius of the Earth.
+structure_input earth() {
+  return {{{"core", tillotson("iron", 449.0), 0.0}, {"mantle", tillotson("basalt", 790.0), 1.0}},
+          5.9724e24,
+          1e5,
+          1000.0,
+          temperature_law::power,
+          2.0};
+}
+
+// p = K (ρ/ρ0 - 1), of one temperature.
+eos::any linear(double K, double rho0) {
+  eos::material_options m{.name = "linear"};
+  m.bulk_modulus = K;
+  m.reference_density = rho0;
+  m.thermal_expansivity = 0.0;
+  return eos::make(m);
+}
+
+}  // namespace
+
+// From a solution that is not this project's code, converged to 1e-6, of G = 6.67408e-11: its digits.
+BOOST_AUTO_TEST_CASE(earth_of_iron_and_basalt) {
+  const profile p = planet::structure_of_radius(earth(), 6.371e6);
+  const auto &below = p.layers()[0].outer(), &above = p.layers()[1].inner();
+  BOOST_TEST(below.r / 6.371e6 == 0.602813, boost::test_tools::tolerance(2e-6));
+  BOOST_TEST(below.m / p.mass() == 0.490244, boost::test_tools::tolerance(2e-6));
+  BOOST_TEST(p.centre().p == 4.732416e11, boost::test_tools::tolerance(5e-6));
+  BOOST_TEST(p.centre().rho == 15001.5, boost::test_tools::tolerance(5e-6));
+  BOOST_TEST(below.p == 1.09687e11, boost::test_tools::tolerance(5e-6));
+  BOOST_TEST(below.rho == 10402.0, boost::test_tools::tolerance(5e-6));
+  BOOST_TEST(above.rho == 4925.8, boost::test_tools::tolerance(1e-5));
+  BOOST_TEST(above.p == below.p, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(above.T == below.T, boost::test_tools::tolerance(1e-12));
+}
+
+// Radius to fraction and fraction to radius are inverse to each other.
+BOOST_AUTO_TEST_CASE(fractions_and_radius) {
+  auto in = earth();
+  for (const double radius : {6.0e6, 6.371e6, 6.9e6}) {
+    const profile p = planet::structure_of_radius(in, radius);
+    const double core = p.layers()[0].outer().m / p.mass();
+    in.layers[0].fraction = core;
+    in.layers[1].fraction = 1.0 - core;
+    BOOST_TEST(planet::structure_of_mass(in).radius() == radius, boost::test_tools::tolerance(1e-9));
+  }
+}
+
+// K so large that the density is ρ0: p_c = (2π/3) G ρ² R² + p_s, p = p_c - (2π/3) G ρ² r².
+BOOST_AUTO_TEST_CASE(incompressible_ball) {
+  const double rho = 3000.0, R = 1e6, M = 4.0 * pi / 3.0 * rho * R * R * R, p0 = 2.0 * pi / 3.0 * G * rho * rho * R * R;
+  const profile p =
+      planet::structure_of_mass({{{"body", linear(1e19, rho), 1.0}}, M, 1e5, 300.0, temperature_law::isothermal});
+  BOOST_TEST(p.radius() == R, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(p.centre().p == p0 + 1e5, boost::test_tools::tolerance(1e-8));
+  BOOST_TEST(p.at(0.5 * R, 0).p == 0.75 * p0 + 1e5, boost::test_tools::tolerance(1e-4));
+}
+
+// p = K (ρ/ρ0 - 1) is ρ'' + 2ρ'/r + (4πG ρ0/K) ρ² = 0 times K/ρ0 … with dp = (K/ρ0) dρ: hydrostatic equilibrium
+// holds between levels, to the second order of their distance.
+BOOST_AUTO_TEST_CASE(equilibrium_between_levels) {
+  const profile p = planet::structure_of_radius(earth(), 6.371e6);
+  for (const auto& layer : p.layers())
+    for (std::size_t k = 1; k + 1 < layer.levels.size(); ++k) {
+      const auto &a = layer.levels[k - 1], &b = layer.levels[k], &c = layer.levels[k + 1];
+      if (c.r < 0.02 * p.radius() || a.p < 1e9) continue;
+      const double h1 = b.r - a.r, h2 = c.r - b.r;
+      const double slope = (h1 / h2 * (c.p - b.p) + h2 / h1 * (b.p - a.p)) / (h1 + h2);
+      BOOST_TEST(slope == -G * b.m * b.rho / (b.r * b.r), boost::test_tools::tolerance(2e-3));
+      BOOST_TEST(b.rho * 4.0 / 3.0 * pi * (std::pow(a.r, 3) - std::pow(c.r, 3)) == a.m - c.m,
+                 boost::test_tools::tolerance(1e-3));
+    }
+}
+
+// On the adiabat T follows γ; du = p/ρ² dρ.
+BOOST_AUTO_TEST_CASE(adiabatic_temperature) {
+  auto in = earth();
+  in.law = temperature_law::adiabatic;
+  in.layers[0].fraction = 0.3;
+  in.layers[1].fraction = 0.7;
+  const profile p = planet::structure_of_mass(in);
+  const auto material = tillotson("iron", 449.0);
+  const auto& levels = p.layers()[0].levels;
+  double work = 0.0;
+  for (std::size_t k = 1; k < levels.size(); ++k) {
+    const auto &a = levels[k - 1], &b = levels[k];
+    work += 0.5 * (a.p / (a.rho * a.rho) + b.p / (b.rho * b.rho)) * (b.rho - a.rho);
+  }
+  const auto& iron = std::get<eos::tillotson>(material);
+  const double gained = iron.internal_energy(levels.back().rho, levels.back().T) -
+                        iron.internal_energy(levels.front().rho, levels.front().T);
+  BOOST_TEST(gained == work, boost::test_tools::tolerance(1e-5));
+  BOOST_TEST(levels.back().T > levels.front().T);
+}
+
+BOOST_AUTO_TEST_CASE(refusals) {
+  const auto says = [](const char* what) {
+    return [what](const foundation::error& e) { return std::string(e.what()).find(what) != std::string::npos; };
+  };
+  BOOST_CHECK_EXCEPTION(planet::structure_of_radius(earth(), 2e7), foundation::error, says("mantle alone"));
+  BOOST_CHECK_EXCEPTION(planet::structure_of_radius(earth(), 3e6), foundation::error, says("core alone"));
+}
+
+// Equal masses, all of each layer's mass, the radii of the profile, and directions without a preference.
+BOOST_AUTO_TEST_CASE(particles_on_shells) {
+  const profile p = planet::structure_of_radius(earth(), 6.371e6);
+  for (const std::int64_t number : {100, 10000}) {
+    const auto all = planet::on_shells(p, {"core", "mantle"}, number);
+    BOOST_TEST(std::abs(static_cast<double>(all.size()) - static_cast<double>(number)) <= 1.0);
+    double mass = 0.0, core = 0.0, most = 0.0, least = 1e99, inertia = 0.0, inside = 0.0;
+    std::array<double, 3> moment{};
+    for (const auto& one : all) {
+      mass += one.mass;
+      if (one.layer == 0) core += one.mass;
+      most = std::max(most, one.mass);
+      least = std::min(least, one.mass);
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        moment[a] += one.mass * one.x[a];
+        r2 += one.x[a] * one.x[a];
+      }
+      inertia += one.mass * r2;
+      if (std::sqrt(r2) < p.layers()[0].outer().r) inside += one.mass;
+    }
+    BOOST_TEST(mass == p.mass(), boost::test_tools::tolerance(1e-12));
+    BOOST_TEST(core == p.layers()[0].outer().m, boost::test_tools::tolerance(1e-12));
+    BOOST_TEST(inside == core, boost::test_tools::tolerance(1e-12));
+    BOOST_TEST(most < least * (1.0 + 4.0 / static_cast<double>(number)));
+    double expected = 0.0;
+    for (const auto& layer : p.layers())
+      for (std::size_t k = 1; k < layer.levels.size(); ++k)
+        expected += (layer.levels[k - 1].m - layer.levels[k].m) * 0.5 *
+                    (std::pow(layer.levels[k - 1].r, 2) + std::pow(layer.levels[k].r, 2));
+    BOOST_TEST(inertia == expected, boost::test_tools::tolerance(number == 100 ? 0.05 : 0.003));
+    for (const double m : moment) BOOST_TEST(std::abs(m) < 0.5 * p.mass() * 6.371e6 / static_cast<double>(number));
+  }
+}

@@ -1,0 +1,62 @@
+"""Planets under their own gravity: structure, particles that settle, what is conserved, ranks, restarts, wrong input."""
+
+import json
+import unittest
+
+from running import BAD_INPUT, Case
+
+SMALL = {"planet.particles": 1000, "expert.settle": 3, "time.t_end": 1000, "output.interval": 500}
+
+
+class Planet(Case):
+    def summary(self, settings=None, **how):
+        return self.run_program("planet", "planet_earth", {**SMALL, **(settings or {})}, **how).summary
+
+    def profile(self, settings=None):
+        file = self.here / f"profile_{len(list(self.here.iterdir()))}.json"
+        self.run_program("planet", "planet_earth", settings, options=["--profile", file])
+        return json.loads(file.read_text())
+
+    def test_profile(self):
+        """An independent integration of the same planet, converged to 1e-6: its digits."""
+        p = self.profile()
+        for name, right in [("core_fraction", 0.490244), ("central_pressure", 4.732416e11), ("central_density", 15001.5),
+                            ("contact_pressure", 1.09687e11), ("contact_density_below", 10402.0), ("contact_density_above", 4925.8)]:
+            self.assertAlmostEqual(p[name] / right, 1.0, delta=1e-5)
+        self.assertAlmostEqual(p["core_radius"] / p["radius"], 0.602813, delta=2e-6)
+        self.assertEqual(p["r"][0], 0.0)
+        self.assertEqual(sorted(p["r"]), p["r"])
+        self.assertEqual({len(p[name]) for name in ("density", "pressure", "temperature", "mass_inside", "layer")}, {len(p["r"])})
+
+    def test_settled(self):
+        """Close to the profile, at rest, and what is conserved is: with a thousand particles, whose smoothing length is a tenth of the radius."""
+        for scheme in ("disph", "ssph", "remix"):
+            with self.subTest(scheme):
+                m = self.summary({"planet.scheme": scheme})["metrics"]
+                self.assertLess(m["profile_density_error"], 0.05)
+                self.assertLess(m["v_rms_over_v_escape"], 0.02)
+                self.assertLess(abs(m["energy_drift"]), 1e-3)
+                self.assertLess(m["momentum_drift"], 1e-6)
+                self.assertLess(m["angular_momentum_drift"], 1e-5)
+                self.assertLess(m["gravity_error_median"], 1e-4)
+                self.assertLess(m["gravity_error_99"], 1e-3)
+
+    def test_ranks_and_restart(self):
+        short = {**SMALL, "planet.particles": 500, "time.t_end": 100, "expert.settle": 0.5}
+        self.assert_exact("planet", "planet_earth", short, 2, layouts=((2, 1), (3, 2)))
+
+    def test_wrong_input(self):
+        for settings, *words in [({"planet.radius": 2e7}, "&planet radius", "alone it would be smaller"),
+                                 ({"planet.radius": 3e6}, "&planet radius", "alone it would be larger"),
+                                 ({"layer.fraction": 0.3}, "&layer fraction", "follows from &planet radius"),
+                                 ({"planet.mass": -1}, "&planet mass", "> 0"),
+                                 ({"layer.tillotson": "cheese"}, "cheese"),
+                                 ({"planet.temperature_law": "isothermal"}, "&planet temperature_exponent"),
+                                 ({"planet.particles": 10}, "&planet particles")]:
+            with self.subTest(settings):
+                result = self.call("planet", *self.arguments("planet_earth", settings, self.here / "no"))
+                self.assert_says(result, BAD_INPUT, *words)
+
+
+if __name__ == "__main__":
+    unittest.main()
