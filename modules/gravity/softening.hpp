@@ -66,17 +66,21 @@ template <int D, class R>
 [[gnu::always_inline]] inline pair_field<R> soft_field(const R& r2, const R& h) {
   using foundation::select;
   const auto root = foundation::both_roots(foundation::greater(r2, R(least_square<R>)));
+  R force = root.inverse * root.inverse, potential;
+  if constexpr (D == 3) force *= root.inverse;
   const R q = foundation::lesser(root.r * h, R(1.0));
   const auto within = q < R(1.0);
+  // Most particles near each other are not that near.
+  if (foundation::stdx::none_of(within)) {
+    if constexpr (D == 3) return {force, -root.inverse};
+    if constexpr (D == 2) return {force, foundation::log(root.r)};
+  }
   const auto near = field_within<D, R>(q, h);
   const auto ignored = within && !(h < R(no_support<R>));
-  R force = root.inverse * root.inverse, potential;
-  if constexpr (D == 2) {
+  if constexpr (D == 2)
     potential = foundation::log(select(within, R(1.0) / h, root.r)) + select(within, near.potential, R(0.0));
-  } else {
-    force *= root.inverse;
+  else
     potential = select(within, near.potential, -root.inverse);
-  }
   return {select(ignored, R(0.0), select(within, near.force, force)), select(ignored, R(0.0), potential)};
 }
 

@@ -18,6 +18,18 @@ using foundation::lanes;
 using foundation::real;
 using indices = std::vector<std::uint32_t>;
 
+// What is beyond a leaf's last particle is copied as well, and not used.
+template <class To>
+[[gnu::always_inline]] inline void copy_leaf(const double* __restrict from, double origin, To* __restrict to,
+                                             double limit = 1e300) {
+#pragma GCC unroll 16
+  for (std::size_t k = 0; k < leaf_size; k += lanes) {
+    const real values = foundation::lesser(real(from + k, foundation::stdx::element_aligned) - origin, real(limit));
+    foundation::stdx::static_simd_cast<foundation::stdx::rebind_simd_t<To, real>>(values).copy_to(
+        to + k, foundation::stdx::element_aligned);
+  }
+}
+
 }  // namespace
 
 template <int D>
@@ -25,9 +37,6 @@ struct tree<D>::workspace {
   using far = far_field<D>;
   using local_set = typename far::set;
   static constexpr std::size_t least_order = 2;
-  // Square of the inverse of (extent/R)^(order + 1) at most: where nearer masses are stronger by far, the potential of
-  // the others counts all the same.
-  static constexpr double coarsest = 1e4;
   // What becomes of a pair of nodes. From least_order on: multipoles of that order.
   static constexpr std::size_t same = 0, below = far::order + 1, divided = below + 1, near = divided + 1,
                                beyond_support = near + 1, fates = beyond_support + 1;
@@ -64,8 +73,8 @@ struct tree<D>::workspace {
   }
 
   // The orders of the multipoles by which a node and four others act on each other, the same seen from either; above P
-  // if they are too close, P + 2 if supports overlap. The error of the force of a on particles
-  // anywhere in b is about m_a/R^(D-1) ((spread of a + radius of b)/R)^order.
+  // if they are too close, P + 2 if supports overlap. The error of the force of a on particles anywhere in b is about
+  // m_a/R^(D-1) ((spread of a + radius of b)/R)^order [W. Dehnen (2014), with a bound for the multipoles' power].
   real orders_for(const node<D>& a, const std::array<const node<D>*, lanes>& others) const {
     const auto load = [&](auto member) { return real([&](auto lane) { return member(*others[lane]); }); };
     real d2 = 0.0;
@@ -82,8 +91,7 @@ struct tree<D>::workspace {
                                            load([](const node<D>& b) { return b.mass; }) * a.per_field) *
                        per_tolerance;
     const real ratio2 = extent * extent / d2, most = D == 3 ? d2 * d2 : d2;
-    real error2 = foundation::greater(scale * scale, coarsest * ratio2 * most) * ratio2 * ratio2,
-         order = static_cast<double>(least_order);
+    real error2 = scale * scale * ratio2 * ratio2, order = static_cast<double>(least_order);
     detail::unroll<far::order + 1 - least_order>([&](auto) {
       order += foundation::select(error2 < most, real(0.0), real(1.0));
       error2 *= ratio2;
@@ -116,13 +124,17 @@ struct tree<D>::workspace {
         for (std::size_t lane = 0; lane < lanes; ++lane) others[lane] = &t.nodes[s.current[std::min(k + lane, n - 1)]];
         orders_for(t.nodes[index], others).copy_to(&s.orders[k], foundation::stdx::element_aligned);
       }
+      std::array<std::uint32_t*, fates> ends;
+      for (std::size_t fate = 0; fate < fates; ++fate) ends[fate] = s.lists[fate].data() + s.sizes[fate];
       // By themselves: the processor does not wait for the orders where it foresees a fate wrongly.
       for (std::size_t k = 0; k < n; ++k) {
         const std::uint32_t c = s.current[k];
         const auto order = static_cast<std::size_t>(s.orders[k]);
         const std::size_t fate = order <= far::order ? order : fate_of_close(index, c, order == far::order + 2);
-        s.lists[fate][s.sizes[fate]++] = c;
+        *ends[fate]++ = c;
       }
+      for (std::size_t fate = 0; fate < fates; ++fate)
+        s.sizes[fate] = static_cast<std::size_t>(ends[fate] - s.lists[fate].data());
       s.current.clear();
       for (const std::uint32_t c : s.list(divided)) {
         s.current.push_back(c + 1);
@@ -167,17 +179,13 @@ struct tree<D>::workspace {
   // Leaf by leaf: the node's own particles, those that may be within supports, the others.
   template <class R>
   near_sums<D, leaf_size> sum_near(std::uint32_t index, scratch& s, source_list<D, R>& sources) const {
-    using scalar = scalar_of<R>;
     sources.reserve((1 + s.sizes[near] + s.sizes[beyond_support]) * leaf_size);
     sources.size = 0;
     const auto append = [&](std::uint32_t c) {
       const std::size_t from = t.ranges[c].first, at = sources.size;
-      for (std::size_t a = 0; a < D; ++a)
-        for (std::size_t k = 0; k < leaf_size; ++k)
-          sources.x[a][at + k] = static_cast<scalar>(t.x[a][from + k] - t.nodes[index].centre[a]);
-      for (std::size_t k = 0; k < leaf_size; ++k) sources.mass[at + k] = static_cast<scalar>(t.mass[from + k]);
-      for (std::size_t k = 0; k < leaf_size; ++k)
-        sources.inverse_support[at + k] = static_cast<scalar>(std::min(t.inverse_support[from + k], no_support<R>));
+      for (std::size_t a = 0; a < D; ++a) copy_leaf(&t.x[a][from], t.nodes[index].centre[a], &sources.x[a][at]);
+      copy_leaf(&t.mass[from], 0.0, &sources.mass[at]);
+      copy_leaf(&t.inverse_support[from], 0.0, &sources.inverse_support[at], no_support<R>);
       sources.size += t.particles(c);
     };
     append(index);
