@@ -7,7 +7,7 @@
 namespace tetsuame::gravity {
 
 // Acceleration (m/s²) and potential (J/kg) of the particles [first, last) of the cloud, written to [0, last - first) of
-// `to`; gravitational_constant in m³/(kg s²). Sources in the order in which they are handed over. Throws as tree does.
+// `to`; gravitational_constant in m³/(kg s²). Throws as tree does.
 template <int D>
 void direct(const cloud<D>& particles, double gravitational_constant, std::size_t first, std::size_t last,
             const field<D>& to);

@@ -76,20 +76,7 @@ constexpr multi_index operator+(const multi_index& n, const multi_index& k) {
   return {n.a + k.a, n.b + k.b, n.c + k.c};
 }
 
-// Multipoles n with derivatives k + n for local terms k; multipoles n moved by monomials k; local terms n + k moved by
-// monomials k.
-template <std::size_t P>
-constexpr auto make_to_local() {
-  constexpr auto wanted = [](const multi_index& n, const multi_index& k) {
-    return n.order() != 1 && n.order() + k.order() <= P;
-  };
-  return terms_of<number_of_terms(reduced_set<P>, reduced_set<P>, wanted)>(
-      reduced_set<P>, reduced_set<P>, wanted, [](const multi_index& n, const multi_index& k) {
-        return term{reduced_index(n), reduced_index(k), full_index(n + k)};
-      });
-}
-template <std::size_t P>
-inline constexpr auto to_local = make_to_local<P>();
+// Multipoles n moved by monomials k; local terms n + k moved by monomials k.
 template <std::size_t P>
 constexpr auto make_multipoles_moved() {
   constexpr auto wanted = [](const multi_index& n, const multi_index& k) {
@@ -219,10 +206,8 @@ struct expansion<3, P> {
   [[gnu::always_inline]] static void multipole_to_local(const std::array<R, size>& M, const foundation::vec<R, 3>& x,
                                                         std::array<R, size>& L) {
     const auto d = derivatives<Q>(x);
-    detail::unroll<detail::to_local<Q>.size()>([&](auto i) {
-      constexpr auto term = detail::to_local<Q>[i];
-      L[term.k] += M[term.n] * d[term.both];
-    });
+    add_terms<Q, 0, 2>(M, d, L);
+    detail::unroll<Q - 1>([&](auto l) { add_terms<Q, l + 2, l + 3>(M, d, L); });
   }
 
   template <class R>
@@ -243,6 +228,24 @@ struct expansion<3, P> {
   }
 
  private:
+  // Local terms of the orders [l, end), which stay in registers.
+  template <std::size_t Q, std::size_t l, std::size_t end, class R, std::size_t N>
+  [[gnu::always_inline]] static void add_terms(const std::array<R, size>& M, const std::array<R, N>& d,
+                                               std::array<R, size>& L) {
+    constexpr std::size_t begin = l * l, count = end * end - begin;
+    std::array<R, count> sum;
+    detail::unroll<count>(
+        [&](auto k) { sum[k] = M[0] * d[detail::full_index(detail::reduced_set<order>[begin + k])]; });
+    detail::unroll<(Q - l + 1) * (Q - l + 1)>([&](auto i) {
+      constexpr auto n = detail::reduced_set<order>[i];
+      if constexpr (n.order() > 1)
+        detail::unroll<count>([&](auto k) {
+          constexpr auto local = detail::reduced_set<order>[begin + k];
+          if constexpr (n.order() + local.order() <= Q) sum[k] += M[i] * d[detail::full_index(n + local)];
+        });
+    });
+    detail::unroll<count>([&](auto k) { L[begin + k] += sum[k]; });
+  }
   // ∂x^a ∂y^b of the function of m from what d holds of that of m + 1.
   template <std::size_t a, std::size_t b, class R, std::size_t n>
   [[gnu::always_inline]] static R raised(const foundation::vec<R, 3>& x, const std::array<R, n>& d) {

@@ -1,90 +1,136 @@
 // Sums over pairs of particles: sources one after the other, targets in lanes, so that the sum for a target has the
-// same bits in whatever lane it stands.
+// same bits in whatever lane it stands. R: foundation::real, or single for twice as many targets at a time.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <foundation/lanes.hpp>
 #include <foundation/vec.hpp>
 #include <gravity/softening.hpp>
+#include <type_traits>
+#include <vector>
 
 namespace tetsuame::gravity {
 
-// Particles in arrays of which lanes may read a register beyond the last one.
-template <int D>
-struct source_arrays {
-  std::array<const double*, D> x;        // m
-  const double *mass, *inverse_support;  // kg, 1/m
+template <class R>
+using scalar_of = std::conditional_t<std::is_same_v<R, foundation::single>, float, double>;
+
+// Sources, of which the first ones are the targets. Lanes may read `room` values beyond the last one.
+template <int D, class R>
+struct source_list {
+  using scalar = scalar_of<R>;
+  static constexpr std::size_t room = 16;
+
+  std::array<std::vector<scalar>, D> x;       // from any point near the targets
+  std::vector<scalar> mass, inverse_support;  // (softening.hpp)
+  std::size_t size = 0;
+
+  void reserve(std::size_t n) {
+    if (mass.size() >= n + room) return;
+    for (auto& one : x) one.resize(2 * (n + room), scalar{});
+    for (auto* one : {&mass, &inverse_support}) one->resize(2 * (n + room), scalar{});
+  }
 };
 
-// A register of targets from the particle `first` on, and what they have found: Σ m force · (vector to the source) and
-// Σ m potential (softening.hpp).
-template <int D>
+// Σ m force · (vector to the source) and Σ m potential (softening.hpp) of n targets, n a multiple of a register.
+template <int D, std::size_t n>
+struct near_sums {
+  std::array<std::array<double, n>, D> pull{};
+  std::array<double, n> potential{};
+};
+
+namespace detail {
+
+template <class R>
+[[gnu::always_inline]] inline R load(const scalar_of<R>* from) {
+  if constexpr (std::is_same_v<R, foundation::single>)
+    return R(typename R::lanes_type(from, foundation::stdx::element_aligned));
+  else
+    return R(from, foundation::stdx::element_aligned);
+}
+template <class R>
+[[gnu::always_inline]] inline R broadcast(scalar_of<R> value) {
+  if constexpr (std::is_same_v<R, foundation::single>)
+    return R(typename R::lanes_type(value));
+  else
+    return R(value);
+}
+// 0, 1, 2, … from `first` on.
+template <class R>
+R numbers(std::size_t first) {
+  std::array<scalar_of<R>, R::size()> all;
+  for (std::size_t lane = 0; lane < all.size(); ++lane) all[lane] = static_cast<scalar_of<R>>(first + lane);
+  return load<R>(all.data());
+}
+
+template <int D, class R>
 struct target_register {
-  using real = foundation::real;
+  foundation::vec<R, D> x, pull;
+  R inverse_support, potential, number;
 
-  foundation::vec<real, D> x, pull;
-  real inverse_support, potential;
-  std::size_t first;
-
-  void start(const source_arrays<D>& all, std::size_t begin) {
-    first = begin;
-    for (std::size_t a = 0; a < D; ++a) {
-      x[a] = load(all.x[a] + begin);
-      pull[a] = 0.0;
-    }
-    inverse_support = load(all.inverse_support + begin);
-    potential = 0.0;
-  }
+  target_register(const source_list<D, R>& all, std::size_t first)
+      : x(foundation::vec<R, D>::of([&](std::size_t a) { return load<R>(&all.x[a][first]); })),
+        pull(foundation::zero<R, D>()),
+        inverse_support(load<R>(&all.inverse_support[first])),
+        potential(0.0),
+        number(numbers<R>(first)) {}
 
   // Adds the source j. soft: it may be within supports; among: it may be one of the targets, which is left out.
   template <bool soft, bool among>
-  [[gnu::always_inline]] void add(const source_arrays<D>& all, std::size_t j) {
-    std::array<real, D> d;
-    real r2 = 0.0;
+  [[gnu::always_inline]] void add(const source_list<D, R>& all, std::size_t j) {
+    std::array<R, D> d;
+    R r2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) {
-      d[a] = real(all.x[a][j]) - x[a];
+      d[a] = broadcast<R>(all.x[a][j]) - x[a];
       r2 += d[a] * d[a];
     }
-    real m = all.mass[j];
-    if constexpr (among) m = foundation::select(numbers() == real(static_cast<double>(j)), real(0.0), m);
-    pair_field<real> one;
+    R m = broadcast<R>(all.mass[j]);
+    if constexpr (among) m = foundation::select(number == R(static_cast<double>(j)), R(0.0), m);
+    pair_field<R> one;
     if constexpr (soft)
-      one = soft_field<D, real>(r2, foundation::lesser(real(all.inverse_support[j]), inverse_support));
+      one = soft_field<D, R>(r2, foundation::lesser(broadcast<R>(all.inverse_support[j]), inverse_support));
     else
-      one = point_field<D, real>(r2);
-    const real scaled = m * one.force;
+      one = point_field<D, R>(r2);
+    const R scaled = m * one.force;
     for (std::size_t a = 0; a < D; ++a) pull[a] += scaled * d[a];
     potential += m * one.potential;
   }
-
- private:
-  static real load(const double* from) { return real(from, foundation::stdx::element_aligned); }
-  real numbers() const {
-    return real([this](auto lane) { return static_cast<double>(first + lane); });
-  }
 };
 
-// Adds the sources [from, to) to targets in order.
-template <bool soft, bool among, int D, std::size_t n>
-[[gnu::noinline]] void add_sources(std::array<target_register<D>, n>& targets, const source_arrays<D>& all,
-                                   std::size_t from, std::size_t to) {
-  auto t = targets;
-  for (std::size_t j = from; j < to; ++j)
-    for (std::size_t k = 0; k < n; ++k) t[k].template add<soft, among>(all, j);
-  targets = t;
+template <class R>
+void add_to(double* sums, const R& more) {
+  for (std::size_t lane = 0; lane < R::size(); ++lane) sums[lane] += static_cast<double>(more[lane]);
 }
-// Adds groups of sources to targets; span_of(group): {from, to}.
-template <bool soft, int D, std::size_t n, class Groups, class Span>
-void add_sources(std::array<target_register<D>, n>& targets, const source_arrays<D>& all, const Groups& groups,
-                 const Span& span_of) {
-  auto t = targets;
-  for (const auto group : groups) {
-    const auto [from, to] = span_of(group);
-    for (std::size_t j = from; j < to; ++j)
-      for (std::size_t k = 0; k < n; ++k) t[k].template add<soft, false>(all, j);
+
+// The sources [from, to) act on the targets [first, first + R::size()).
+template <bool soft, bool among, int D, class R, std::size_t n>
+[[gnu::noinline]] void add_sources(const source_list<D, R>& all, std::size_t from, std::size_t to, std::size_t first,
+                                   near_sums<D, n>& sums) {
+  // Sums of single numbers are short, so that their roundings stay those of a few terms.
+  constexpr std::size_t chunk = 256;
+  for (; from < to; from += chunk) {
+    target_register<D, R> t(all, first);
+    const std::size_t end = std::min(to, from + chunk);
+    for (std::size_t j = from; j < end; ++j) t.template add<soft, among>(all, j);
+    for (std::size_t a = 0; a < D; ++a) add_to(&sums.pull[a][first], t.pull[a]);
+    add_to(&sums.potential[first], t.potential);
   }
-  targets = t;
+}
+
+}  // namespace detail
+
+// Of `targets` first ones of the list; beyond `soft_end` sources are out of supports.
+template <int D, class R, std::size_t n>
+near_sums<D, n> sum_pairs(const source_list<D, R>& all, std::size_t targets, std::size_t soft_end) {
+  static_assert(n % R::size() == 0 && R::size() <= source_list<D, R>::room);
+  near_sums<D, n> sums;
+  for (std::size_t first = 0; first < targets; first += R::size()) {
+    detail::add_sources<true, true>(all, 0, targets, first, sums);
+    detail::add_sources<true, false>(all, targets, soft_end, first, sums);
+    detail::add_sources<false, false>(all, soft_end, all.size, first, sums);
+  }
+  return sums;
 }
 
 }  // namespace tetsuame::gravity

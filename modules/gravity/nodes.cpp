@@ -161,7 +161,7 @@ void node_tree<D>::gather(const cloud<D>& particles, std::size_t first, std::siz
     const std::size_t i = order[k];
     for (std::size_t a = 0; a < D; ++a) x[a][k] = (particles.x[a][i] - origin[a]) / length;
     mass[k] = particles.mass[i] / unit_mass;
-    inverse_support[k] = gravity::inverse_support(particles.support[i] / length);
+    inverse_support[k] = gravity::inverse_support<real>(particles.support[i] / length);
   }
 }
 
@@ -170,7 +170,7 @@ void node_tree<D>::sum_leaf(std::size_t index) {
   auto& n = nodes[index];
   auto& b = boxes_[index];
   const auto [first, last, end] = ranges[index];
-  double least_inverse = no_support;
+  double least_inverse = no_support<real>;
   const auto base = foundation::vec<double, D>::of([&, at = first](std::size_t a) { return x[a][at]; });
   auto moment = foundation::zero<double, D>();
   n.mass = 0.0;
@@ -184,7 +184,7 @@ void node_tree<D>::sum_leaf(std::size_t index) {
       b.high[a] = std::max(b.high[a], x[a][k]);
     }
   }
-  n.support = least_inverse < no_support ? 1.0 / least_inverse : 0.0;
+  n.support = least_inverse < no_support<real> ? 1.0 / least_inverse : 0.0;
   for (std::size_t a = 0; a < D; ++a)
     n.centre[a] = n.mass > 0.0 ? base[a] + moment[a] / n.mass : 0.5 * b.low[a] + 0.5 * b.high[a];
   std::array<real, far::full> sums;
@@ -276,8 +276,8 @@ void node_tree<D>::build(const cloud<D>& particles) {
   nodes.resize(ranges.size());
   boxes_.resize(ranges.size());
   multipoles.resize(ranges.size());
-  for (auto* one : {&mass, &inverse_support}) one->resize(n + lanes, 0.0);
-  for (auto& one : x) one.resize(n + lanes, 0.0);
+  for (auto* one : {&mass, &inverse_support}) one->resize(n + leaf_size, 0.0);
+  for (auto& one : x) one.resize(n + leaf_size, 0.0);
   foundation::for_chunks(blocks_.size(), 4, blocks_.size() > 8, [&](std::size_t from, std::size_t to) {
     std::vector<entry> entries;
     for (std::size_t k = from; k < to; ++k) fill_block(particles, blocks_[k], entries);

@@ -19,8 +19,8 @@ namespace tetsuame::gravity {
 template <int D>
 using far_field = expansion<D, D == 3 ? 6 : 10>;
 
-// Particles in a leaf: registers of targets are full.
-inline constexpr std::size_t leaf_size = 8;
+// Particles in a leaf, at most: registers of targets are full.
+inline constexpr std::size_t leaf_size = 16;
 
 // A group of particles, in the tree's units of length and mass (node_tree::length, node_tree::unit_mass).
 template <int D>

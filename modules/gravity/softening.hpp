@@ -10,6 +10,7 @@
 
 #include <foundation/lanes.hpp>
 #include <foundation/lanes_math.hpp>
+#include <type_traits>
 
 namespace tetsuame::gravity {
 
@@ -22,10 +23,17 @@ struct pair_field {
 };
 
 // A support of 0 has this inverse (1/m): two points without a support are beyond it from 1e-90 m on, and nearer ones do
-// not act on each other.
-inline constexpr double no_support = 1e90;
+// not act on each other. In single numbers, which need units of about the cloud's size: from 1e-11 of it on.
+template <class R>
+inline constexpr double no_support = std::is_same_v<R, foundation::single> ? 1e11 : 1e90;
+// A square of a distance has an inverse, and that the power 3/2.
+template <class R>
+inline constexpr double least_square = std::is_same_v<R, foundation::single> ? 1e-24 : 1e-200;
 
-inline double inverse_support(double support) { return support * no_support > 1.0 ? 1.0 / support : no_support; }
+template <class R>
+double inverse_support(double support) {
+  return support * no_support<R> > 1.0 ? 1.0 / support : no_support<R>;
+}
 
 // Newton's; r2 > 0 (m²).
 template <int D, class R>
@@ -57,18 +65,22 @@ template <int D, class R>
 template <int D, class R>
 [[gnu::always_inline]] inline pair_field<R> soft_field(const R& r2, const R& h) {
   using foundation::select;
-  const auto root = foundation::both_roots(foundation::greater(r2, R(foundation::tiny<R>)));
+  const auto root = foundation::both_roots(foundation::greater(r2, R(least_square<R>)));
+  R force = root.inverse * root.inverse, potential;
+  if constexpr (D == 3) force *= root.inverse;
   const R q = foundation::lesser(root.r * h, R(1.0));
   const auto within = q < R(1.0);
-  const auto near = field_within<D, R>(q, h);
-  const auto ignored = within && !(h < R(no_support));
-  R force = root.inverse * root.inverse, potential;
-  if constexpr (D == 2) {
-    potential = foundation::log(select(within, R(1.0) / h, root.r)) + select(within, near.potential, R(0.0));
-  } else {
-    force *= root.inverse;
-    potential = select(within, near.potential, -root.inverse);
+  // Most particles near each other are not that near.
+  if (foundation::stdx::none_of(within)) {
+    if constexpr (D == 3) return {force, -root.inverse};
+    if constexpr (D == 2) return {force, foundation::log(root.r)};
   }
+  const auto near = field_within<D, R>(q, h);
+  const auto ignored = within && !(h < R(no_support<R>));
+  if constexpr (D == 2)
+    potential = foundation::log(select(within, R(1.0) / h, root.r)) + select(within, near.potential, R(0.0));
+  else
+    potential = select(within, near.potential, -root.inverse);
   return {select(ignored, R(0.0), select(within, near.force, force)), select(ignored, R(0.0), potential)};
 }
 

@@ -18,7 +18,17 @@ using foundation::lanes;
 using foundation::real;
 using indices = std::vector<std::uint32_t>;
 
-constexpr std::size_t registers = leaf_size / lanes > 0 ? leaf_size / lanes : 1;
+// What is beyond a leaf's last particle is copied as well, and not used.
+template <class To>
+[[gnu::always_inline]] inline void copy_leaf(const double* __restrict from, double origin, To* __restrict to,
+                                             double limit = 1e300) {
+#pragma GCC unroll 16
+  for (std::size_t k = 0; k < leaf_size; k += lanes) {
+    const real values = foundation::lesser(real(from + k, foundation::stdx::element_aligned) - origin, real(limit));
+    foundation::stdx::static_simd_cast<foundation::stdx::rebind_simd_t<To, real>>(values).copy_to(
+        to + k, foundation::stdx::element_aligned);
+  }
+}
 
 }  // namespace
 
@@ -27,9 +37,6 @@ struct tree<D>::workspace {
   using far = far_field<D>;
   using local_set = typename far::set;
   static constexpr std::size_t least_order = 2;
-  // Square of the inverse of (extent/R)^(order + 1) at most: where nearer masses are stronger by far, the potential of
-  // the others counts all the same.
-  static constexpr double coarsest = 1e4;
   // What becomes of a pair of nodes. From least_order on: multipoles of that order.
   static constexpr std::size_t same = 0, below = far::order + 1, divided = below + 1, near = divided + 1,
                                beyond_support = near + 1, fates = beyond_support + 1;
@@ -39,6 +46,9 @@ struct tree<D>::workspace {
     std::array<indices, fates> lists;
     std::array<std::size_t, fates> sizes;
     indices current;
+    source_list<D, real> sources;
+    source_list<D, foundation::single> single_sources;
+    std::vector<double> orders;
 
     std::span<const std::uint32_t> list(std::size_t fate) const { return std::span(lists[fate]).first(sizes[fate]); }
   };
@@ -51,6 +61,7 @@ struct tree<D>::workspace {
 
   tree_options options;
   double per_opening = 1.0, per_tolerance = 1.0;
+  double unit_acceleration = 1.0, unit_potential = 1.0;  // m/s², J/kg, of the tree's units
   node_tree<D> t;
   std::vector<std::uint32_t> wanted_before;  // targets among the particles before each, in the order of the tree
   std::vector<task> tasks;
@@ -62,8 +73,8 @@ struct tree<D>::workspace {
   }
 
   // The orders of the multipoles by which a node and four others act on each other, the same seen from either; above P
-  // if they are too close. The error of the force of a on particles
-  // anywhere in b is about m_a/R^(D-1) ((spread of a + radius of b)/R)^order.
+  // if they are too close, P + 2 if supports overlap. The error of the force of a on particles anywhere in b is about
+  // m_a/R^(D-1) ((spread of a + radius of b)/R)^order [W. Dehnen (2014), with a bound for the multipoles' power].
   real orders_for(const node<D>& a, const std::array<const node<D>*, lanes>& others) const {
     const auto load = [&](auto member) { return real([&](auto lane) { return member(*others[lane]); }); };
     real d2 = 0.0;
@@ -80,21 +91,21 @@ struct tree<D>::workspace {
                                            load([](const node<D>& b) { return b.mass; }) * a.per_field) *
                        per_tolerance;
     const real ratio2 = extent * extent / d2, most = D == 3 ? d2 * d2 : d2;
-    real error2 = foundation::greater(scale * scale, coarsest * ratio2 * most) * ratio2 * ratio2,
-         order = static_cast<double>(least_order);
+    real error2 = scale * scale * ratio2 * ratio2, order = static_cast<double>(least_order);
     detail::unroll<far::order + 1 - least_order>([&](auto) {
       order += foundation::select(error2 < most, real(0.0), real(1.0));
       error2 *= ratio2;
     });
-    return foundation::select(least * least < d2, order, real(static_cast<double>(far::order + 1)));
+    const real within = radii + support, none = static_cast<double>(far::order + 1);
+    const real close = foundation::select(within * within < d2, none, none + 1.0);
+    return foundation::select(least * least < d2 && order < none, order, close);
   }
   // Of two that are too close the larger is divided.
-  std::size_t fate_of_close(std::uint32_t index, std::uint32_t other) const {
-    const auto &a = t.nodes[index], &b = t.nodes[other];
-    const bool whole = t.is_leaf(index), other_whole = t.is_leaf(other);
-    if (whole && other_whole) return index == other ? same : beyond_supports(a, b) ? beyond_support : near;
-    if (whole || (!other_whole && (a.radius < b.radius || (a.radius == b.radius && other < index)))) return divided;
-    return below;
+  std::size_t fate_of_close(std::uint32_t index, std::uint32_t other, bool soft) const {
+    const double radius = t.nodes[index].radius, other_radius = t.nodes[other].radius;
+    const bool other_whole = t.is_leaf(other);
+    if (t.is_leaf(index)) return !other_whole ? divided : index == other ? same : soft ? near : beyond_support;
+    return other_whole || radius > other_radius || (radius == other_radius && index <= other) ? below : divided;
   }
 
   // Sorts the candidates that act on a node by their fate; those that its parts look at are in `parts`.
@@ -107,17 +118,23 @@ struct tree<D>::workspace {
       for (std::size_t fate = 0; fate < fates; ++fate)
         if (s.lists[fate].size() < s.sizes[fate] + n + lanes) s.lists[fate].resize(2 * (s.sizes[fate] + n + lanes));
       s.sizes[divided] = 0;
+      s.orders.resize(n + lanes);
       for (std::size_t k = 0; k < n; k += lanes) {
         std::array<const node<D>*, lanes> others;
         for (std::size_t lane = 0; lane < lanes; ++lane) others[lane] = &t.nodes[s.current[std::min(k + lane, n - 1)]];
-        const real orders = orders_for(t.nodes[index], others);
-        for (std::size_t lane = 0; lane < std::min(lanes, n - k); ++lane) {
-          const std::uint32_t c = s.current[k + lane];
-          auto fate = static_cast<std::size_t>(static_cast<double>(orders[lane]));
-          if (fate > far::order || c == index) fate = c == index && !t.is_leaf(c) ? below : fate_of_close(index, c);
-          s.lists[fate][s.sizes[fate]++] = c;
-        }
+        orders_for(t.nodes[index], others).copy_to(&s.orders[k], foundation::stdx::element_aligned);
       }
+      std::array<std::uint32_t*, fates> ends;
+      for (std::size_t fate = 0; fate < fates; ++fate) ends[fate] = s.lists[fate].data() + s.sizes[fate];
+      // By themselves: the processor does not wait for the orders where it foresees a fate wrongly.
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::uint32_t c = s.current[k];
+        const auto order = static_cast<std::size_t>(s.orders[k]);
+        const std::size_t fate = order <= far::order ? order : fate_of_close(index, c, order == far::order + 2);
+        *ends[fate]++ = c;
+      }
+      for (std::size_t fate = 0; fate < fates; ++fate)
+        s.sizes[fate] = static_cast<std::size_t>(ends[fate] - s.lists[fate].data());
       s.current.clear();
       for (const std::uint32_t c : s.list(divided)) {
         s.current.push_back(c + 1);
@@ -159,46 +176,55 @@ struct tree<D>::workspace {
   }
   static constexpr local_set no_multipoles{};
 
-  void finish_leaf(std::uint32_t index, const local_set& local, const scratch& s) const {
-    source_arrays<D> all{{}, t.mass.data(), t.inverse_support.data()};
-    for (std::size_t a = 0; a < D; ++a) all.x[a] = t.x[a].data();
-    const auto [begin, end, after] = t.ranges[index];
-    for (std::size_t k = begin; k < end; k += registers * lanes) {
-      std::array<target_register<D>, registers> targets;
-      for (std::size_t r = 0; r < registers; ++r) targets[r].start(all, std::min<std::size_t>(k + r * lanes, end - 1));
-      const auto span_of = [this](std::uint32_t c) { return std::pair(t.ranges[c].first, t.ranges[c].last); };
-      add_sources<true, true>(targets, all, begin, end);
-      add_sources<false>(targets, all, s.list(beyond_support), span_of);
-      add_sources<true>(targets, all, s.list(near), span_of);
-      for (std::size_t r = 0; r < registers && k + r * lanes < end; ++r) {
-        const std::size_t at = k + r * lanes;
-        foundation::vec<real, D> u;
-        for (std::size_t a = 0; a < D; ++a) u[a] = targets[r].x[a] - t.nodes[index].centre[a];
-        write(at, std::min<std::size_t>(lanes, end - at), targets[r], far::evaluate(local, u));
-      }
-    }
+  // Leaf by leaf: the node's own particles, those that may be within supports, the others.
+  template <class R>
+  near_sums<D, leaf_size> sum_near(std::uint32_t index, scratch& s, source_list<D, R>& sources) const {
+    sources.reserve((1 + s.sizes[near] + s.sizes[beyond_support]) * leaf_size);
+    sources.size = 0;
+    const auto append = [&](std::uint32_t c) {
+      const std::size_t from = t.ranges[c].first, at = sources.size;
+      for (std::size_t a = 0; a < D; ++a) copy_leaf(&t.x[a][from], t.nodes[index].centre[a], &sources.x[a][at]);
+      copy_leaf(&t.mass[from], 0.0, &sources.mass[at]);
+      copy_leaf(&t.inverse_support[from], 0.0, &sources.inverse_support[at], no_support<R>);
+      sources.size += t.particles(c);
+    };
+    append(index);
+    for (const std::uint32_t c : s.list(near)) append(c);
+    const std::size_t soft_end = sources.size;
+    for (const std::uint32_t c : s.list(beyond_support)) append(c);
+    return sum_pairs<D, R, leaf_size>(sources, t.particles(index), soft_end);
   }
-  static bool beyond_supports(const node<D>& a, const node<D>& b) {
-    const auto d = a.centre - b.centre;
-    const double least = (a.radius + b.radius + std::max(a.support, b.support)) * (1.0 + 1e-12);
-    return dot(d, d) > least * least;
+  void finish_leaf(std::uint32_t index, const local_set& local, scratch& s) const {
+    near_sums<D, leaf_size> sums;
+    if constexpr (D == 3) {
+      sums =
+          options.tolerance < double_pairs_below ? sum_near(index, s, s.sources) : sum_near(index, s, s.single_sources);
+    } else {
+      sums = sum_near(index, s, s.sources);
+    }
+    const auto [begin, end, after] = t.ranges[index];
+    for (std::size_t k = begin; k < end; k += lanes) {
+      foundation::vec<real, D> u;
+      for (std::size_t a = 0; a < D; ++a)
+        u[a] = real(&t.x[a][k], foundation::stdx::element_aligned) - t.nodes[index].centre[a];
+      const auto far_part = far::evaluate(local, u);
+      for (std::size_t lane = 0; lane < std::min<std::size_t>(lanes, end - k); ++lane)
+        write(k + lane, k + lane - begin, sums, far_part, lane);
+    }
   }
 
   // In 3-D expansions are of 1/r, potentials are of -1/r. In 2-D ln r is that of the tree's unit, so that the other
   // particles' mass counts.
-  void write(std::size_t k, std::size_t count, const target_register<D>& targets, const harmonic<D, real>& h) const {
-    const double sign = D == 3 ? -1.0 : 1.0, strength_here = strength<D>(options.gravitational_constant) * t.unit_mass;
-    const double per_length = 1.0 / t.length, force = strength_here * (D == 3 ? per_length * per_length : per_length);
-    const double energy = strength_here * (D == 3 ? per_length : 1.0);
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const std::size_t i = t.order[k + lane];
-      if (i < first || i >= last) continue;
-      for (std::size_t a = 0; a < D; ++a)
-        to->acceleration[a][i - first] = force * (targets.pull[a][lane] - sign * h.gradient[a][lane]);
-      double potential = targets.potential[lane] + sign * h.value[lane];
-      if constexpr (D == 2) potential += std::log(t.length) * (t.nodes[0].mass - t.mass[k + lane]);
-      to->potential[i - first] = energy * potential;
-    }
+  void write(std::size_t k, std::size_t at, const near_sums<D, leaf_size>& sums, const harmonic<D, real>& h,
+             std::size_t lane) const {
+    const std::size_t i = t.order[k];
+    if (i < first || i >= last) return;
+    const double sign = D == 3 ? -1.0 : 1.0;
+    for (std::size_t a = 0; a < D; ++a)
+      to->acceleration[a][i - first] = unit_acceleration * (sums.pull[a][at] - sign * h.gradient[a][lane]);
+    double potential = sums.potential[at] + sign * h.value[lane];
+    if constexpr (D == 2) potential += std::log(t.length) * (t.nodes[0].mass - t.mass[k]);
+    to->potential[i - first] = unit_potential * potential;
   }
 
   // Everything that acts on a node's particles; `depth` counts from the task.
@@ -245,6 +271,9 @@ struct tree<D>::workspace {
   void run() {
     tasks.clear();
     mark_targets();
+    const double strength_of_unit = strength<D>(options.gravitational_constant) * t.unit_mass;
+    unit_potential = D == 3 ? strength_of_unit / t.length : strength_of_unit;
+    unit_acceleration = unit_potential / t.length;
     scratch top;
     const std::size_t n = t.order.size(), most = std::max<std::size_t>(n / 256, 256);
     prepare(0, most, indices{0}, local_set{}, top);

@@ -57,6 +57,12 @@ struct result {
   bool operator==(const result&) const = default;
 };
 
+// Pairs of particles in double numbers.
+inline gravity::tree_options precise() {
+  gravity::tree_options options;
+  options.tolerance = 1e-6;
+  return options;
+}
 template <int D>
 result<D> by_tree(const bodies<D>& all, const gravity::tree_options& options = {}) {
   result<D> r(all.size());
