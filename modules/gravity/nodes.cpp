@@ -32,6 +32,9 @@ double unit_of(double value) {
   return value > 0.0 ? std::ldexp(1.0, std::clamp(std::ilogb(value) + 1, -1000, 1000)) : 1.0;
 }
 
+// Targets that are in a register together are near each other.
+constexpr std::size_t register_size = leaf_size / 2;
+
 // Nodes of a block of n particles, and the particles of its first part: whole leaves.
 std::size_t nodes_of_block(std::size_t n) { return 2 * ((n + leaf_size - 1) / leaf_size) - 1; }
 std::size_t first_part(std::size_t n) {
@@ -130,13 +133,17 @@ void node_tree<D>::halve(std::size_t index, entry* entries, std::size_t first, s
   const std::size_t n = last - first;
   ranges[index] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last),
                    static_cast<std::uint32_t>(index + nodes_of_block(n))};
-  if (n <= leaf_size)
-    return std::sort(entries, entries + n, [](const entry& p, const entry& q) { return p.place < q.place; });
+  const auto by_place = [](const entry& p, const entry& q) { return p.place < q.place; };
+  if (n <= register_size) return std::sort(entries, entries + n, by_place);
   const auto axis = bounds(0, n, [entries](std::size_t k) { return entries[k].x; }).longest_axis();
-  const std::size_t middle = first_part(n);
+  const std::size_t middle = n <= leaf_size ? register_size : first_part(n);
   std::nth_element(entries, entries + middle, entries + n, [axis](const entry& p, const entry& q) {
     return p.x[axis] < q.x[axis] || (p.x[axis] == q.x[axis] && p.place < q.place);
   });
+  if (n <= leaf_size) {
+    std::sort(entries, entries + middle, by_place);
+    return std::sort(entries + middle, entries + n, by_place);
+  }
   halve(index + 1, entries, first, first + middle);
   halve(index + 1 + nodes_of_block(middle), entries + middle, first + middle, last);
 }
@@ -189,7 +196,7 @@ void node_tree<D>::sum_leaf(std::size_t index) {
     n.centre[a] = n.mass > 0.0 ? base[a] + moment[a] / n.mass : 0.5 * b.low[a] + 0.5 * b.high[a];
   std::array<real, far::full> sums;
   sums.fill(0.0);
-  real largest = 0.0, inertia = 0.0;
+  real largest = 0.0, sixth = 0.0;
   for (std::size_t k = first; k < last; k += lanes) {
     const auto within = lane_numbers < real(static_cast<double>(last - k));
     const auto load = [&](const std::vector<double>& from) {
@@ -200,7 +207,7 @@ void node_tree<D>::sum_leaf(std::size_t index) {
     const real m = load(mass), s2 = dot(s, s);
     far::add_mass(sums, s, m);
     largest = foundation::greater(largest, s2);
-    inertia += m * s2;
+    sixth += m * (s2 * s2 * s2);
   }
   std::array<double, far::full> all;
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = foundation::sum(sums[i]);
@@ -209,7 +216,7 @@ void node_tree<D>::sum_leaf(std::size_t index) {
   double r2 = 0.0;
   for (std::size_t lane = 0; lane < lanes; ++lane) r2 = std::max(r2, static_cast<double>(largest[lane]));
   n.radius = std::sqrt(r2) * rounding;
-  n.spread = n.mass > 0.0 ? std::sqrt(foundation::sum(inertia) / n.mass) : 0.0;
+  n.spread = n.mass > 0.0 ? std::sqrt(std::cbrt(foundation::sum(sixth) / n.mass)) : 0.0;
 }
 
 template <int D>
@@ -223,7 +230,7 @@ void node_tree<D>::sum_parts(std::size_t index) {
   auto& b = boxes_[index];
   b = boxes_[parts[0]];
   b.include(boxes_[parts[1]]);
-  double corner2 = 0.0, reach = 0.0, inertia = 0.0;
+  double corner2 = 0.0, reach = 0.0, sixth = 0.0;
   for (std::size_t a = 0; a < D; ++a) {
     const double far_end = std::max(n.centre[a] - b.low[a], b.high[a] - n.centre[a]);
     corner2 += far_end * far_end;
@@ -233,11 +240,12 @@ void node_tree<D>::sum_parts(std::size_t index) {
     const auto& part = nodes[one];
     const double d = distance(n.centre, part.centre);
     reach = std::max(reach, (d + part.radius) * rounding);
-    inertia += part.mass * (d * d + part.spread * part.spread);
+    const double squared = d * d + part.spread * part.spread;
+    sixth += part.mass * (squared * squared * squared);
     far::multipole_to_multipole(multipoles[one], part.centre - n.centre, multipoles[index]);
   }
   n.radius = std::min(std::sqrt(corner2) * rounding, reach);
-  n.spread = n.mass > 0.0 ? std::sqrt(inertia / n.mass) : 0.0;
+  n.spread = n.mass > 0.0 ? std::sqrt(std::cbrt(sixth / n.mass)) : 0.0;
 }
 
 // No particle of one part is farther from one of the other than their farthest ends.

@@ -27,7 +27,7 @@ template <int D>
 struct alignas(64) node {
   foundation::vec<double, D> centre;  // of mass
   double radius;                      // around the centre; all particles are within
-  double spread;                      // root of the mean of the squared distance from the centre, by mass
+  double spread;                      // sixth root of the mean sixth power of the distance from the centre, by mass
   double support;                     // the largest one
   double mass;
   double per_field;  // at least 1/Σ m/r^(D-1) of all particles outside, for any place within

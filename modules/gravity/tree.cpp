@@ -37,6 +37,9 @@ struct tree<D>::workspace {
   using far = far_field<D>;
   using local_set = typename far::set;
   static constexpr std::size_t least_order = 2;
+  // Inverse of the square of what (extent/R)^(order + 1) is at most: the relative error of a pair's potential. It
+  // bounds errors where the forces of masses on all sides cancel.
+  static constexpr double per_coarsest = 1e4;
   // What becomes of a pair of nodes. From least_order on: multipoles of that order.
   static constexpr std::size_t same = 0, below = far::order + 1, divided = below + 1, near = divided + 1,
                                beyond_support = near + 1, fates = beyond_support + 1;
@@ -91,7 +94,8 @@ struct tree<D>::workspace {
                                            load([](const node<D>& b) { return b.mass; }) * a.per_field) *
                        per_tolerance;
     const real ratio2 = extent * extent / d2, most = D == 3 ? d2 * d2 : d2;
-    real error2 = scale * scale * ratio2 * ratio2, order = static_cast<double>(least_order);
+    real error2 = foundation::greater(scale * scale, per_coarsest * ratio2 * most) * ratio2 * ratio2,
+         order = static_cast<double>(least_order);
     detail::unroll<far::order + 1 - least_order>([&](auto) {
       order += foundation::select(error2 < most, real(0.0), real(1.0));
       error2 *= ratio2;

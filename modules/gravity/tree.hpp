@@ -23,8 +23,8 @@ struct tree_options {
   double gravitational_constant = 6.67430e-11;  // m³/(kg s²) [CODATA 2018]
   // Above 0: the error of the force of one group on another, estimated, over a lower bound of the sum of the magnitudes
   // of all forces on it. The median of the relative errors of accelerations is about a sixth of it, in 99 % of
-  // particles they are below twice of it (docs/theory/self_gravity.md).
-  double tolerance = 5e-4;
+  // particles they are below it (docs/theory/self_gravity.md).
+  double tolerance = 8e-4;
   // Above 0, below 1: two groups act on each other by multipoles only if the sum of their radii is below this part of
   // the distance between their centres of mass.
   double opening = 0.9;
@@ -45,7 +45,7 @@ class tree {
 
   // Acceleration (m/s²) and potential (J/kg) of the particles [first, last) of the cloud, written to [0, last - first)
   // of `to`. Throws foundation::error, which names the particle, if positions are not finite, masses or supports
-  // negative or not finite. Memory is kept for the next call: about 160 bytes a particle.
+  // negative or not finite. Memory is kept for the next call: about 200 bytes a particle.
   void operator()(const cloud<D>& particles, std::size_t first, std::size_t last, const field<D>& to);
 
  private:
