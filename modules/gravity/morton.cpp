@@ -9,7 +9,7 @@ namespace tetsuame::gravity {
 
 namespace {
 
-// Bit n of c at bit 2 n, or 3 n [J. E. Warren's magic masks; see S. Laine, T. Karras].
+// Moves bit n of c to bit 2 n, or 3 n.
 std::uint64_t spread(std::uint64_t c, std::integral_constant<int, 2>) {
   c = (c | c << 16) & 0x0000ffff0000ffff;
   c = (c | c << 8) & 0x00ff00ff00ff00ff;

@@ -1,6 +1,6 @@
 // The field of a particle whose mass is spread as the Wendland C2 kernel of support H, a polynomial of q = r/H within
 // and Newton's beyond: [H. Wendland, Adv. Comput. Math. 4, 389 (1995)], for gravity [M. Schaller et al., MNRAS 530,
-// 2378 (2024), section 4; W. Dehnen, MNRAS 324, 273 (2001)]. The two particles of a pair use the larger of their
+// 2378 (2024); W. Dehnen, MNRAS 324, 273 (2001)]. The two particles of a pair use the larger of their
 // supports, so that forces are opposite.
 //
 // Kernel of one dimensionless shape, W ∝ (1 - q)^4 (1 + 4 q); mass within q, of 1:

@@ -5,6 +5,7 @@
 #include <foundation/threads.hpp>
 #include <gravity/near_field.hpp>
 #include <gravity/nodes.hpp>
+#include <gravity/opening.hpp>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -36,10 +37,6 @@ template <int D>
 struct tree<D>::workspace {
   using far = far_field<D>;
   using local_set = typename far::set;
-  static constexpr std::size_t least_order = 2;
-  // Inverse of the square of what (extent/R)^(order + 1) is at most: the relative error of a pair's potential. It
-  // bounds errors where the forces of masses on all sides cancel.
-  static constexpr double per_coarsest = 1e4;
   // What becomes of a pair of nodes. From least_order on: multipoles of that order.
   static constexpr std::size_t same = 0, below = far::order + 1, divided = below + 1, near = divided + 1,
                                beyond_support = near + 1, fates = beyond_support + 1;
@@ -63,7 +60,7 @@ struct tree<D>::workspace {
   };
 
   tree_options options;
-  double per_opening = 1.0, per_tolerance = 1.0;
+  opening<D> open;
   double unit_acceleration = 1.0, unit_potential = 1.0;  // m/s², J/kg, of the tree's units
   node_tree<D> t;
   std::vector<std::uint32_t> wanted_before;  // targets among the particles before each, in the order of the tree
@@ -75,35 +72,6 @@ struct tree<D>::workspace {
     return wanted_before[t.ranges[index].last] > wanted_before[t.ranges[index].first];
   }
 
-  // The orders of the multipoles by which a node and four others act on each other, the same seen from either; above P
-  // if they are too close, P + 2 if supports overlap. The error of the force of a on particles anywhere in b is about
-  // m_a/R^(D-1) ((spread of a + radius of b)/R)^order [W. Dehnen (2014), with a bound for the multipoles' power].
-  real orders_for(const node<D>& a, const std::array<const node<D>*, lanes>& others) const {
-    const auto load = [&](auto member) { return real([&](auto lane) { return member(*others[lane]); }); };
-    real d2 = 0.0;
-    for (std::size_t k = 0; k < D; ++k) {
-      const real d = load([k](const node<D>& b) { return b.centre[k]; }) - a.centre[k];
-      d2 += d * d;
-    }
-    const real radius = load([](const node<D>&b) { return b.radius; }), radii = radius + a.radius;
-    const real support = foundation::greater(load([](const node<D>& b) { return b.support; }), real(a.support));
-    const real least = foundation::greater(radii * per_opening, radii + support);
-    const real extent =
-        foundation::greater(load([](const node<D>& b) { return b.spread; }) + a.radius, radius + a.spread);
-    const real scale = foundation::greater(load([](const node<D>& b) { return b.per_field; }) * a.mass,
-                                           load([](const node<D>& b) { return b.mass; }) * a.per_field) *
-                       per_tolerance;
-    const real ratio2 = extent * extent / d2, most = D == 3 ? d2 * d2 : d2;
-    real error2 = foundation::greater(scale * scale, per_coarsest * ratio2 * most) * ratio2 * ratio2,
-         order = static_cast<double>(least_order);
-    detail::unroll<far::order + 1 - least_order>([&](auto) {
-      order += foundation::select(error2 < most, real(0.0), real(1.0));
-      error2 *= ratio2;
-    });
-    const real within = radii + support, none = static_cast<double>(far::order + 1);
-    const real close = foundation::select(within * within < d2, none, none + 1.0);
-    return foundation::select(least * least < d2 && order < none, order, close);
-  }
   // Of two that are too close the larger is divided.
   std::size_t fate_of_close(std::uint32_t index, std::uint32_t other, bool soft) const {
     const double radius = t.nodes[index].radius, other_radius = t.nodes[other].radius;
@@ -126,7 +94,7 @@ struct tree<D>::workspace {
       for (std::size_t k = 0; k < n; k += lanes) {
         std::array<const node<D>*, lanes> others;
         for (std::size_t lane = 0; lane < lanes; ++lane) others[lane] = &t.nodes[s.current[std::min(k + lane, n - 1)]];
-        orders_for(t.nodes[index], others).copy_to(&s.orders[k], foundation::stdx::element_aligned);
+        open.orders(t.nodes[index], others).copy_to(&s.orders[k], foundation::stdx::element_aligned);
       }
       std::array<std::uint32_t*, fates> ends;
       for (std::size_t fate = 0; fate < fates; ++fate) ends[fate] = s.lists[fate].data() + s.sizes[fate];
@@ -298,8 +266,7 @@ tree<D>::tree(const tree_options& options) : w_(std::make_unique<workspace>()) {
     throw std::invalid_argument("gravity: the opening angle must be above 0 and below 1");
   if (!(options.tolerance > 0.0)) throw std::invalid_argument("gravity: the tolerance must be above 0");
   w_->options = options;
-  w_->per_opening = 1.0 / options.opening;
-  w_->per_tolerance = 1.0 / options.tolerance;
+  w_->open = {1.0 / options.opening, 1.0 / options.tolerance};
 }
 template <int D>
 tree<D>::tree(tree&&) noexcept = default;

@@ -1,5 +1,5 @@
-// Self-gravity of N particles in O(N) operations: a binary tree along the Morton curve, and a fast multipole method in
-// Cartesian expansions: [H. Cheng, L. Greengard, V. Rokhlin, J. Comput. Phys. 155, 468 (1999); W. Dehnen, J. Comput.
+// Self-gravity of N particles: a binary tree along the Morton curve, and the fast multipole method
+// [H. Cheng, L. Greengard, V. Rokhlin, J. Comput. Phys. 155, 468 (1999); W. Dehnen, J. Comput.
 // Phys. 179, 27 (2002); W. Dehnen, Comput. Astrophys. Cosmol. 1, 1 (2014)]. Isolated boundary condition: no particle
 // outside of the cloud. 2-D: infinitely long cylinders, a = -2 G m r/r².
 //
@@ -22,8 +22,8 @@ namespace tetsuame::gravity {
 struct tree_options {
   double gravitational_constant = 6.67430e-11;  // m³/(kg s²) [CODATA 2018]
   // Above 0: the error of the force of one group on another, estimated, over a lower bound of the sum of the magnitudes
-  // of all forces on it. The median of the relative errors of accelerations is about a sixth of it, in 99 % of
-  // particles they are below it (docs/theory/self_gravity.md).
+  // of all forces on it. The median of the relative errors of accelerations is about a tenth of it, in 99 % of
+  // particles they are below it, in the clouds of docs/theory/self_gravity.md.
   double tolerance = 8e-4;
   // Above 0, below 1: two groups act on each other by multipoles only if the sum of their radii is below this part of
   // the distance between their centres of mass.

@@ -180,4 +180,34 @@ errors compare(const result<D>& found, const result<D>& exact) {
   return {e[e.size() / 2], e[e.size() * 99 / 100], e.back()};
 }
 
+// |Σ m a|/Σ m |a|.
+template <int D>
+double momentum_error(const bodies<D>& all, const result<D>& found) {
+  double force = 0.0;
+  std::array<double, D> momentum{};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    force += all.mass[i] * found.magnitude(i);
+    for (std::size_t a = 0; a < D; ++a) momentum[a] += all.mass[i] * found.acceleration[a][i];
+  }
+  return radius<D>(momentum) / force;
+}
+
+// Particles in another order; `at[i]` is where particle i of the first is now.
+template <int D>
+bodies<D> permuted(const bodies<D>& all, std::vector<std::size_t>& at) {
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937_64(2));
+  auto other = all;
+  at.resize(all.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    at[order[k]] = k;
+    for (std::size_t a = 0; a < D; ++a) other.x[a][k] = all.x[a][order[k]];
+    other.mass[k] = all.mass[order[k]];
+    other.support[k] = all.support[order[k]];
+    other.id[k] = all.id[order[k]];
+  }
+  return other;
+}
+
 }  // namespace tetsuame::test

@@ -62,18 +62,6 @@ void check_pair() {
   BOOST_TEST(near.potential[0] == far.potential[0], boost::test_tools::tolerance(1e-8));
 }
 
-// |Σ m a|/Σ m |a|.
-template <int D>
-double momentum_error(const bodies<D>& all, const result<D>& found) {
-  double force = 0.0;
-  std::array<double, D> momentum{};
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    force += all.mass[i] * found.magnitude(i);
-    for (std::size_t a = 0; a < D; ++a) momentum[a] += all.mass[i] * found.acceleration[a][i];
-  }
-  return radius<D>(momentum) / force;
-}
-
 template <int D>
 void check_errors(const bodies<D>& all, double median, double most) {
   const auto found = by_tree(all), exact = by_direct(all);
@@ -94,24 +82,6 @@ void check_errors(const bodies<D>& all, double median, double most) {
   const auto finer = by_tree(all, precise());
   BOOST_TEST(momentum_error(all, finer) < 1e-13);
   BOOST_TEST(compare(finer, exact).median < 0.01 * median);
-}
-
-// Particles in another order; `at[i]` is where particle i of the first is now.
-template <int D>
-bodies<D> permuted(const bodies<D>& all, std::vector<std::size_t>& at) {
-  std::vector<std::size_t> order(all.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::shuffle(order.begin(), order.end(), std::mt19937_64(2));
-  auto other = all;
-  at.resize(all.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    at[order[k]] = k;
-    for (std::size_t a = 0; a < D; ++a) other.x[a][k] = all.x[a][order[k]];
-    other.mass[k] = all.mass[order[k]];
-    other.support[k] = all.support[order[k]];
-    other.id[k] = all.id[order[k]];
-  }
-  return other;
 }
 
 template <int D>
