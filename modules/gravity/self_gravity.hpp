@@ -53,6 +53,7 @@ class self {
     const auto& s = box_->w.s;
     const auto& ranks = box_->w.d.ranks;
     gather();
+    const gathered all_by_id = in_order_of_ids();
     const auto every = static_cast<std::int64_t>(std::max<std::size_t>(1, cloud_.id.size() / 500));
     std::vector<double> found;
     for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -61,7 +62,9 @@ class self {
       double phi, difference = 0.0, size = 0.0;
       field<D> to{{}, &phi};
       for (std::size_t k = 0; k < D; ++k) to.acceleration[k] = &a[k];
-      direct<D>(cloud_.view(), options_.gravitational_constant, cloud_.first + i, cloud_.first + i + 1, to);
+      const auto place = static_cast<std::size_t>(
+          std::ranges::lower_bound(all_by_id.id, static_cast<std::uint64_t>(s.id[i])) - all_by_id.id.begin());
+      direct<D>(all_by_id.view(), options_.gravitational_constant, place, place + 1, to);
       for (std::size_t k = 0; k < D; ++k) {
         difference += std::pow(box_->w.accelerations[k][i] - a[k], 2);
         size += a[k] * a[k];
@@ -121,6 +124,21 @@ class self {
     collect(std::span<const std::uint64_t>(id), counts, cloud_.id);
     cloud_.first = static_cast<std::size_t>(
         std::accumulate(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(ranks.rank), 0.0));
+  }
+  // Direct sums are then the same on any number of ranks.
+  gathered in_order_of_ids() const {
+    std::vector<std::size_t> order(cloud_.id.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t k) { return cloud_.id[k]; });
+    gathered sorted;
+    const auto take = [&](const auto& from, auto& to) {
+      for (const std::size_t k : order) to.push_back(from[k]);
+    };
+    for (std::size_t a = 0; a < D; ++a) take(cloud_.x[a], sorted.x[a]);
+    take(cloud_.mass, sorted.mass);
+    take(cloud_.support, sorted.support);
+    take(cloud_.id, sorted.id);
+    return sorted;
   }
   void find() {
     gather();

@@ -40,7 +40,7 @@ std::string cut_to_terminal(std::string line, std::FILE* stream) {
 }  // namespace
 
 std::string progress_line(const progress_state& now, const progress_state& begin, double elapsed) {
-  auto line = fmt::format("step {}", now.step);
+  auto line = fmt::format("{} {}", now.what, now.step);
   if (now.last_step > 0) line += fmt::format("/{}", now.last_step);
   if (now.last_step > 0 || now.t_end > 0.0)
     line += fmt::format(" ({:.0f} %)", std::floor(100.0 * fraction_done(now, progress_state{})));

@@ -14,6 +14,7 @@ struct progress_state {
   double time = 0.0, t_end = 0.0;        // s; t_end 0: no limit
   double dt = 0.0;                       // s
   double updates = 0.0;                  // of particles
+  const char* what = "step";
 };
 
 // "step 1200/5000 (24 %)  t = 1.25 s  dt = 1.0e-03 s  2.1e+06 updates/s  3:10 left".

@@ -367,13 +367,21 @@ struct loop {
         p.settle(of, rates, step_of, kept);
       });
     };
+    const auto so_far = [&](double n) {
+      return output::progress_state{static_cast<std::int64_t>(n), static_cast<std::int64_t>(steps_needed),
+                                    n * step_of, steps_needed * step_of, step_of,
+                                    2.0 * n * static_cast<double>(report.fluid_particles), "settling, step"};
+    };
+    output::progress progress(ranks.rank == 0, stderr, so_far(0.0));
     for (double n = 0.0; n < steps_needed; ++n) {
       move(part::kick);
       move(part::drift);
       p.commit();
       step_flags = {};
       prepare_step();
+      progress.update(so_far(n + 1.0));
     }
+    progress.finish(so_far(steps_needed));
     p.settle(part::rest, {}, 0.0, 0.0);
     integrator->state_changed();
     return fmt::format("settled: {:.0f} steps of {:.3g} s of a damped motion, {:.3g} crossings of the box by sound",

@@ -36,7 +36,7 @@ std::optional<T> of(const std::vector<T>& values, std::size_t n) {
 std::size_t given(const layer_options& l) {
   std::size_t most = 0;
   const auto look = [&](const auto&... lists) { ((most = std::max(most, lists.size())), ...); };
-  look(l.name, l.eos, l.tillotson, l.table, l.fraction);
+  look(l.name, l.eos, l.curve, l.tillotson, l.table, l.fraction);
   for (const auto& values : l.parameters) look(values);
   return most;
 }
@@ -51,6 +51,7 @@ void declare_layers(namelist::schema& schema, layer_options& l) {
   add("name", l.name, {.meaning = "letters, digits and _"});
   add("fraction", l.fraction, namelist::up_to(1.0, "of the planet's mass; where &planet radius is given it follows"));
   add("eos", l.eos, {.choices = equations, .meaning = "equation of state; its parameters follow"});
+  add("curve", l.curve, {.meaning = "of eos = 'liquid_silicate': vinet or birch_murnaghan"});
   add("tillotson", l.tillotson, {.meaning = "of eos = 'tillotson': iron, granite or basalt; not given: iron"});
   add("table", l.table, eos::key_of_table());
   for (std::size_t k = 0; k < eos::parameters.size(); ++k)
@@ -66,9 +67,12 @@ void resolve_layers(const namelist::schema& schema, options& o) {
     if (!eos) schema.fail_at(group, "eos", n, fmt::format("layer '{}' has no equation of state", name));
     eos::material_options m;
     m.name = *eos;
+    m.curve = of(o.layer.curve, n).value_or("");
     m.tillotson = of(o.layer.tillotson, n).value_or("");
     m.table = of(o.layer.table, n).value_or("");
     if (!m.tillotson.empty() && m.name != "tillotson") schema.fail_at(group, "tillotson", n, "is of eos = 'tillotson'");
+    if (!m.curve.empty() && m.name != "liquid_silicate")
+      schema.fail_at(group, "curve", n, "is of eos = 'liquid_silicate'");
     if (!m.table.empty() && m.name != "table") schema.fail_at(group, "table", n, "is of eos = 'table'");
     for (std::size_t k = 0; k < eos::parameters.size(); ++k)
       if (const auto value = of(o.layer.parameters[k], n)) m.*eos::parameters[k].member = *value;
@@ -172,9 +176,7 @@ void declare(namelist::schema& schema, options& o) {
              between(-10.0, 10.0, "temperature_law = 'power': exponent of the density"));
   schema.add("planet", "particles", o.particles, between(100, 1e9, "of equal mass, about so many"));
   schema.add("planet", "scheme", o.scheme,
-             {.choices = {"ssph", "disph", "remix"},
-              .meaning = "standard, density-independent with the volume as weight, or kernels that reproduce linear "
-                         "fields"});
+             {.choices = {"ssph", "disph"}, .meaning = "standard, or density-independent with the volume as weight"});
   schema.add("planet", "opening", o.opening,
              for_expert(namelist::up_to(0.99, "self-gravity: largest opening angle of the tree")));
   schema.add("planet", "tolerance", o.tolerance,

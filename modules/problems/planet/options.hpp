@@ -10,7 +10,7 @@
 namespace tetsuame::planet {
 
 struct layer_options {  // lists, an element a layer
-  std::vector<std::string> name, eos, tillotson, table;
+  std::vector<std::string> name, eos, curve, tillotson, table;
   std::vector<double> fraction;
   std::array<std::vector<double>, eos::parameters.size()> parameters;
 };

@@ -5,7 +5,9 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <cmath>
+#include <eos/caloric.hpp>
 #include <foundation/error.hpp>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <planet/profile.hpp>
@@ -18,41 +20,59 @@ constexpr double pi = std::numbers::pi, G = gravitational_constant;
 constexpr int steps_per_layer = 400;
 
 // The state is integrated by s = m^(1/3), since r ∝ s at the centre:
-//   dr/ds = 3 s²/(4 π r² ρ),  dln ρ/ds = -3 G s⁵/(4 π r⁴)/(ρ dp/dρ),  dln T/ds = n dln ρ/ds
-// with n = 0, a or γ and ρ dp/dρ = K_T (1 + α n T) along the way.
-using unknowns = std::array<double, 3>;  // r, ln ρ, ln T
+//   dr/ds = 3 s²/(4 π r² ρ),  dln ρ/ds = -3 G s⁵/(4 π r⁴)/(ρ dp/dρ)
+// with, along the way, ρ dp/dρ = K_T (1 + α n T) and dln T = n dln ρ, n = 0 or a; on an adiabat ρ dp/dρ = ρ c² and
+// du = p/ρ dln ρ. The third unknown is ln T, or u on an adiabat.
+using unknowns = std::array<double, 3>;  // r, ln ρ, and that
 
-struct path {
-  const structure_input& in;
-  const eos::any& material;
+class path {
+ public:
+  path(const structure_input& in, const eos::any& material) : in_(in), material_(material) {
+    if (in.law == temperature_law::adiabatic) waves_.emplace(material);
+  }
 
-  double slope_of_T(const eos::properties& at, double rho) const {
-    if (in.law == temperature_law::isothermal) return 0.0;
-    return in.law == temperature_law::power ? in.exponent : at.alpha * at.K_T / (rho * at.c_V);
+  unknowns start(double r, double p, double T) const {
+    const double rho = eos::density(material_, p, T);
+    return {r, std::log(rho), waves_ ? waves_->internal_energy(rho, T) : std::log(T)};
   }
   void operator()(const unknowns& y, unknowns& by_s, double s) const {
-    const double rho = std::exp(y[1]), T = std::exp(y[2]);
-    const auto at = eos::evaluate(material, rho, T);
-    const double n = slope_of_T(at, rho), stiffness = at.K_T * (1.0 + at.alpha * n * T);
-    const double q = s / y[0];
+    const double rho = std::exp(y[1]), q = s / y[0];
+    const auto [stiffness, n] = along(rho, y[2]);
     by_s[0] = 3.0 * q * q / (4.0 * pi * rho);
     by_s[1] = -3.0 * G * s * q * q * q * q / (4.0 * pi * stiffness);
     by_s[2] = n * by_s[1];
   }
   // What is left about the centre, of one density but for what its own weight adds: p_c = p + (2 π/3) G ρ² r².
   unknowns centre(const unknowns& y) const {
-    const double rho = std::exp(y[1]), T = std::exp(y[2]);
-    const auto at = eos::evaluate(material, rho, T);
-    const double n = slope_of_T(at, rho), stiffness = at.K_T * (1.0 + at.alpha * n * T);
+    const double rho = std::exp(y[1]);
+    const auto [stiffness, n] = along(rho, y[2]);
     const double gain = 2.0 * pi / 3.0 * G * rho * rho * y[0] * y[0] / stiffness;
     return {0.0, y[1] + gain, y[2] + n * gain};
   }
-};
+  level at(double s, const unknowns& y) const {
+    const double rho = std::exp(y[1]), T = waves_ ? waves_->temperature(rho, y[2]) : std::exp(y[2]);
+    const double p = waves_ ? waves_->at(rho, y[2]).p : eos::evaluate(material_, rho, T).p;
+    return {s * s * s, std::max(y[0], 0.0), rho, p, T};
+  }
 
-level level_of(const eos::any& material, double s, const unknowns& y) {
-  const double rho = std::exp(y[1]), T = std::exp(y[2]);
-  return {s * s * s, std::max(y[0], 0.0), rho, eos::evaluate(material, rho, T).p, T};
-}
+ private:
+  struct slopes {
+    double stiffness, of_third;  // Pa, ρ dp/dρ; by ln ρ
+  };
+  slopes along(double rho, double third) const {
+    if (waves_) {
+      const auto now = waves_->at(rho, third);
+      return {rho * now.c * now.c, now.p / rho};
+    }
+    const double T = std::exp(third), n = in_.law == temperature_law::power ? in_.exponent : 0.0;
+    const auto at = eos::evaluate(material_, rho, T);
+    return {at.K_T * (1.0 + at.alpha * n * T), n};
+  }
+
+  const structure_input& in_;
+  const eos::any& material_;
+  std::optional<eos::caloric> waves_ = {};
+};
 
 // Inwards from the surface of a planet of this radius, to a small ball about the centre: its radius less that of its
 // mass at its density, over the planet's; where r comes to 0 before, a number below -1.
@@ -61,34 +81,34 @@ struct outcome {
   std::vector<profile::layer_levels> layers;  // from the outside to the inside
 };
 
-outcome integrate(const structure_input& in, double radius, bool keep) {
+outcome integrate(const structure_input& in, const std::vector<path>& paths, double radius, bool keep) {
   outcome all{0.0, {}};
   double m = in.mass, p = in.surface_pressure, T = in.surface_temperature, r = radius;
   for (std::size_t n = in.layers.size(); n-- > 0;) {
     const layer& now = in.layers[n];
     const double inner = n == 0 ? 0.0 : std::max(m - now.fraction * in.mass, 0.0);
     const double begin = std::cbrt(m), step = (std::cbrt(inner) - begin) / steps_per_layer;
-    unknowns y{r, std::log(eos::density(now.material, p, T)), std::log(T)};
-    const path slopes{in, now.material};
+    const path& slopes = paths[n];
+    unknowns y = slopes.start(r, p, T);
     boost::numeric::odeint::runge_kutta_dopri5<unknowns> stepper;
-    if (keep) all.layers.push_back({{level_of(now.material, begin, y)}});
+    if (keep) all.layers.push_back({{slopes.at(begin, y)}});
     const int steps = n == 0 ? steps_per_layer - 1 : steps_per_layer;
     for (int k = 0; k < steps; ++k) {
       const double s = begin + k * step, next = k + 1 == steps_per_layer ? std::cbrt(inner) : s + step;
-      stepper.do_step(slopes, y, s, next - s);
+      stepper.do_step(std::cref(slopes), y, s, next - s);
       if (!(y[0] > 0.0 && std::isfinite(y[1]))) {  // no room for the mass that is left
         all.left_over = -1.0 - s / std::cbrt(in.mass);
         return all;
       }
-      if (keep) all.layers.back().levels.push_back(level_of(now.material, next, y));
+      if (keep) all.layers.back().levels.push_back(slopes.at(next, y));
     }
     if (n == 0) {
       const double s = begin + steps * step;
       all.left_over = (y[0] - s * std::cbrt(3.0 / (4.0 * pi * std::exp(y[1])))) / radius;
-      if (keep) all.layers.back().levels.push_back(level_of(now.material, 0.0, slopes.centre(y)));
+      if (keep) all.layers.back().levels.push_back(slopes.at(0.0, slopes.centre(y)));
       return all;
     }
-    const level end = level_of(now.material, std::cbrt(inner), y);
+    const level end = slopes.at(std::cbrt(inner), y);
     m = inner, p = end.p, T = end.T, r = y[0];
   }
   return all;
@@ -105,8 +125,14 @@ std::optional<std::array<double, 2>> bracket_root(const F& f, double low, double
   return std::array{found.first, found.second};
 }
 
-profile complete(const structure_input& in, double radius) {
-  auto whole = integrate(in, radius, true);
+std::vector<path> paths_of(const structure_input& in) {
+  std::vector<path> all;
+  for (const auto& layer : in.layers) all.emplace_back(in, layer.material);
+  return all;
+}
+
+profile complete(const structure_input& in, const std::vector<path>& paths, double radius) {
+  auto whole = integrate(in, paths, radius, true);
   std::reverse(whole.layers.begin(), whole.layers.end());
   return profile(std::move(whole.layers));
 }
@@ -122,23 +148,25 @@ double radius_of_density(double mass, double rho) { return std::cbrt(3.0 * mass 
 }  // namespace
 
 profile structure_of_mass(const structure_input& in) {
-  const auto left_over = [&](double radius) { return integrate(in, radius, false).left_over; };
+  const auto paths = paths_of(in);
+  const auto left_over = [&](double radius) { return integrate(in, paths, radius, false).left_over; };
   const auto ends = bracket_root(left_over, radius_of_density(in.mass, 1e6), radius_of_density(in.mass, 1.0));
   if (!ends)
     foundation::fail_input(
         fmt::format("no planet of {:.6g} kg with these layers has a radius between {:.6g} and {:.6g} m", in.mass,
                     radius_of_density(in.mass, 1e6), radius_of_density(in.mass, 1.0)));
-  return complete(in, end_at_centre(left_over, *ends));
+  return complete(in, paths, end_at_centre(left_over, *ends));
 }
 
 profile structure_of_radius(structure_input in, double radius) {
+  const auto paths = paths_of(in);
   const auto with = [&](double fraction) {
     in.layers[0].fraction = fraction;
     in.layers[1].fraction = 1.0 - fraction;
   };
   const auto left_over = [&](double fraction) {
     with(fraction);
-    return integrate(in, radius, false).left_over;
+    return integrate(in, paths, radius, false).left_over;
   };
   const auto ends = bracket_root(left_over, 1e-9, 1.0 - 1e-9);
   if (!ends) {
@@ -148,7 +176,7 @@ profile structure_of_radius(structure_input in, double radius) {
                     radius, large ? in.layers[1].name : in.layers[0].name, large ? "smaller" : "larger"));
   }
   with(end_at_centre(left_over, *ends));
-  return complete(in, radius);
+  return complete(in, paths, radius);
 }
 
 std::size_t profile::layer_at(double r) const {

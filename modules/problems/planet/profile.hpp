@@ -1,7 +1,7 @@
 // The structure of a spherical planet of layers in hydrostatic equilibrium. With the mass m inside of radius r,
 //   dr/dm = 1/(4 π r² ρ),  dp/dm = -G m/(4 π r⁴),  ρ by the layer's equation of state from p and T,
 // from the surface, where p and T are given, to the centre. T along the way: the same throughout; proportional to ρ^a
-// in each layer; or on the layer's adiabat, dln T/dln ρ = γ. T and p are continuous where layers meet.
+// in each layer; or on the layer's adiabat, du = p/ρ² dρ. T and p are continuous where layers meet.
 #pragma once
 
 #include <eos/eos.hpp>
