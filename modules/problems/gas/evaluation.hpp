@@ -140,7 +140,7 @@ class list_of_passes {
     if constexpr (D > 1)
       if (g_.o.self_gravity) {
         g_.attraction = std::make_unique<gravity::self<D>>(*g_.o.self_gravity);
-        g_.attraction->declare(g_, g_.S);
+        g_.attraction->declare(g_, g_.softening);
       }
     e.integrate_motion({0.0, 0.0, speed});
     u_ = e.integrate(s_.u, {"u", 0.0, speed * speed});
@@ -202,7 +202,7 @@ class list_of_passes {
   // ---- the state that follows -------------------------------------------------------------
 
   void find_state() {
-    passes::fields remembered{g_.start_sum};
+    passes::fields remembered{g_.start_sum, g_.softening};
     if (!g_.o.has_alpha()) remembered.add({g_.alpha});
     if (!g_.evolves_density) remembered.add({g_.evolved});
     e.remembered(remembered);

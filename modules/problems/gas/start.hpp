@@ -130,6 +130,7 @@ void place_particles(world<D>& g) {
     }
     g.support[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
     g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
+    if (g.o.self_gravity) g.softening[i] = g.support[i];
   }
   // Of sound and flow together, in the frame that all are in.
   const auto frame = run::on_all(g.ranks(), run::velocities(g)).template middle<D>();
@@ -202,6 +203,7 @@ void take_from_file(world<D>& g) {
     }
     g.support[i] = reach[n];
     g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
+    if (g.o.self_gravity) g.softening[i] = g.support[i];
   }
 }
 

@@ -47,6 +47,10 @@ struct world : run::state<D>, schemes::arrays<D> {
                                                          "p^exponent times the volume");
   particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
 
+  // Of self-gravity: it stays, so that the gravitational energy depends on places alone.
+  particles::array& softening = particles::declare_if(o.self_gravity.has_value(), w.s, "Softening", "m",
+                                                      particles::role::memory, "support of a particle's own field");
+
   sources::fields<D> sources = {};
   struct no_attraction {};  // of one dimension
   std::unique_ptr<std::conditional_t<(D > 1), gravity::self<D>, no_attraction>> attraction = {};
