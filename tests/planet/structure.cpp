@@ -120,6 +120,12 @@ BOOST_AUTO_TEST_CASE(refusals) {
   };
   BOOST_CHECK_EXCEPTION(planet::structure_of_radius(earth(), 2e7), foundation::error, says("mantle alone"));
   BOOST_CHECK_EXCEPTION(planet::structure_of_radius(earth(), 3e6), foundation::error, says("core alone"));
+  // Five times its density at zero pressure is where the isentrope of Tillotson's equation ends.
+  for (const double mass : {1e26, 1e27, 1e30})
+    BOOST_CHECK_EXCEPTION(
+        planet::structure_of_mass(
+            {{{"moon", tillotson("basalt", 790.0), 1.0}}, mass, 1e5, 300.0, temperature_law::isothermal}),
+        foundation::error, says("layer 'moon' would be compressed"));
 }
 
 // Equal masses, all of each layer's mass, the radii of the profile, and directions without a preference.

@@ -89,7 +89,15 @@ outcome integrate(const structure_input& in, const std::vector<path>& paths, dou
     const double inner = n == 0 ? 0.0 : std::max(m - now.fraction * in.mass, 0.0);
     const double begin = std::cbrt(m), step = (std::cbrt(inner) - begin) / steps_per_layer;
     const path& slopes = paths[n];
-    unknowns y = slopes.start(r, p, T);
+    unknowns y;
+    try {
+      y = slopes.start(r, p, T);
+    } catch (const foundation::error&) {
+      // At the surface, or at last, a fault; on the way the pressures of too small a planet.
+      if (keep || n + 1 == in.layers.size()) throw;
+      all.left_over = -1.0 - std::cbrt(m / in.mass);
+      return all;
+    }
     boost::numeric::odeint::runge_kutta_dopri5<unknowns> stepper;
     if (keep) all.layers.push_back({{slopes.at(begin, y)}});
     const int steps = n == 0 ? steps_per_layer - 1 : steps_per_layer;
@@ -131,8 +139,24 @@ std::vector<path> paths_of(const structure_input& in) {
   return all;
 }
 
+// fail_input where the centre is not reached: an equation of state ends before.
 profile complete(const structure_input& in, const std::vector<path>& paths, double radius) {
   auto whole = integrate(in, paths, radius, true);
+  constexpr double closed = 1e-6;
+  const auto is_finite = [](const level& l) {
+    return std::isfinite(l.rho) && std::isfinite(l.p) && std::isfinite(l.T);
+  };
+  const auto& inner = whole.layers.back().levels;
+  const bool all_finite = std::ranges::all_of(inner, is_finite);
+  if (whole.layers.size() < in.layers.size() || !all_finite || !(std::abs(whole.left_over) < closed)) {
+    const layer& in_it = in.layers[in.layers.size() - whole.layers.size()];
+    const auto last = std::ranges::find_if_not(inner, is_finite);
+    const level& known = last == inner.begin() ? inner.front() : *(last - 1);
+    foundation::fail_input(
+        fmt::format("no equilibrium: layer '{}' would be compressed to more than its equation of state reaches, about "
+                    "{:.3g} kg/m3 and {:.3g} Pa; take less mass or another equation of state",
+                    in_it.name, known.rho, known.p));
+  }
   std::reverse(whole.layers.begin(), whole.layers.end());
   return profile(std::move(whole.layers));
 }
