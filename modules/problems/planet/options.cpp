@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <eos/keys.hpp>
+#include <namelist/lists.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <planet/options.hpp>
@@ -11,33 +12,16 @@ namespace tetsuame::planet {
 
 namespace {
 
-using namelist::between, namelist::for_expert, namelist::positive;
+using namelist::between, namelist::element_of, namelist::for_expert, namelist::positive;
 
 constexpr std::size_t most_layers = 2;
 constexpr const char* group = "layer";
 
-namelist::key_info list(namelist::key_info of_one) {
-  of_one.maximum_size = most_layers;
-  of_one.sparse = of_one.may_be_left_open = true;
-  return of_one;
-}
-
-template <class T>
-std::optional<T> of(const std::vector<T>& values, std::size_t n) {
-  if (n >= values.size()) return std::nullopt;
-  if constexpr (std::is_same_v<T, double>) {
-    if (!std::isfinite(values[n])) return std::nullopt;
-  } else {
-    if (values[n].empty()) return std::nullopt;
-  }
-  return values[n];
-}
+namelist::key_info list(namelist::key_info of_one) { return namelist::one_each(std::move(of_one), most_layers); }
 
 std::size_t given(const layer_options& l) {
-  std::size_t most = 0;
-  const auto look = [&](const auto&... lists) { ((most = std::max(most, lists.size())), ...); };
-  look(l.name, l.eos, l.curve, l.tillotson, l.table, l.fraction);
-  for (const auto& values : l.parameters) look(values);
+  std::size_t most = namelist::longest(l.name, l.eos, l.curve, l.tillotson, l.table, l.fraction);
+  for (const auto& values : l.parameters) most = std::max(most, values.size());
   return most;
 }
 
@@ -62,27 +46,28 @@ void resolve_layers(const namelist::schema& schema, options& o) {
   const std::size_t number = given(o.layer);
   if (number == 0) foundation::fail_input("&layer: a planet has one layer at least");
   for (std::size_t n = 0; n < number; ++n) {
-    const auto name = of(o.layer.name, n).value_or(number == 1 ? "body" : n == 0 ? "core" : "mantle");
-    const auto eos = of(o.layer.eos, n);
-    if (!eos) schema.fail_at(group, "eos", n, fmt::format("layer '{}' has no equation of state", name));
+    auto name = element_of(o.layer.name, n);
+    if (name.empty()) name = number == 1 ? "body" : n == 0 ? "core" : "mantle";
+    const auto eos = element_of(o.layer.eos, n);
+    if (eos.empty()) schema.fail_at(group, "eos", n, fmt::format("layer '{}' has no equation of state", name));
     eos::material_options m;
-    m.name = *eos;
-    m.curve = of(o.layer.curve, n).value_or("");
-    m.tillotson = of(o.layer.tillotson, n).value_or("");
-    m.table = of(o.layer.table, n).value_or("");
+    m.name = eos;
+    m.curve = element_of(o.layer.curve, n);
+    m.tillotson = element_of(o.layer.tillotson, n);
+    m.table = element_of(o.layer.table, n);
     if (!m.tillotson.empty() && m.name != "tillotson") schema.fail_at(group, "tillotson", n, "is of eos = 'tillotson'");
     if (!m.curve.empty() && m.name != "liquid_silicate")
       schema.fail_at(group, "curve", n, "is of eos = 'liquid_silicate'");
     if (!m.table.empty() && m.name != "table") schema.fail_at(group, "table", n, "is of eos = 'table'");
     for (std::size_t k = 0; k < eos::parameters.size(); ++k)
-      if (const auto value = of(o.layer.parameters[k], n)) m.*eos::parameters[k].member = *value;
+      if (const auto value = element_of(o.layer.parameters[k], n)) m.*eos::parameters[k].member = *value;
     o.names.push_back(name);
     o.materials.push_back(m);
   }
 }
 
 double fraction_of(const namelist::schema& schema, const options& o, std::size_t n) {
-  const auto value = of(o.layer.fraction, n);
+  const auto value = element_of(o.layer.fraction, n);
   if (!value) schema.fail_at(group, "fraction", n, fmt::format("layer '{}' has no fraction of the mass", o.names[n]));
   return *value;
 }
@@ -102,13 +87,15 @@ void resolve_structure(const namelist::schema& schema, options& o) {
     if (number != 2)
       schema.fail("planet", "radius", "with a radius the fraction of the core follows, which needs two of &layer");
     for (std::size_t n = 0; n < number; ++n)
-      if (of(o.layer.fraction, n)) schema.fail_at(group, "fraction", n, "follows from &planet radius: leave one out");
+      if (element_of(o.layer.fraction, n))
+        schema.fail_at(group, "fraction", n, "follows from &planet radius: leave one out");
     o.structure = schema.placed("planet", "radius", [&] { return structure_of_radius(in, *o.radius); });
     return;
   }
   double sum = 0.0;
   for (std::size_t n = 0; n < number; ++n)
-    sum += in.layers[n].fraction = number == 1 ? of(o.layer.fraction, n).value_or(1.0) : fraction_of(schema, o, n);
+    sum += in.layers[n].fraction =
+        number == 1 ? element_of(o.layer.fraction, n).value_or(1.0) : fraction_of(schema, o, n);
   if (std::abs(sum - 1.0) > 1e-9)
     schema.fail_at(group, "fraction", number - 1,
                    fmt::format("the fractions of the layers add up to {:.10g}: expected 1", sum));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <eos/keys.hpp>
+#include <namelist/lists.hpp>
 #include <namelist/text.hpp>
 #include <two_fluids/groups.hpp>
 
@@ -14,40 +15,29 @@ namespace tetsuame::two_fluids {
 
 namespace {
 
+using namelist::element_of;
+
 constexpr std::size_t most_materials = 30, own = 2;
 constexpr const char* group = "material";
 
-namelist::key_info list(namelist::key_info of_one) {
-  of_one.maximum_size = most_materials;
-  of_one.sparse = of_one.may_be_left_open = true;
-  return of_one;
-}
-
-// Element n; not given: nothing.
-std::optional<double> of(const std::vector<double>& values, std::size_t n) {
-  return n < values.size() && std::isfinite(values[n]) ? std::optional(values[n]) : std::nullopt;
-}
-std::string of(const std::vector<std::string>& texts, std::size_t n) {
-  return n < texts.size() ? texts[n] : std::string();
-}
+namelist::key_info list(namelist::key_info of_one) { return namelist::one_each(std::move(of_one), most_materials); }
 
 std::size_t given(const more_materials& m) {
-  std::size_t most = 0;
-  const auto look = [&](const auto&... lists) { ((most = std::max(most, lists.size())), ...); };
-  look(m.name, m.eos, m.curve, m.tillotson, m.table, m.metal, m.melts, m.density, m.viscosity, m.conductivity,
-       m.temperature, m.solidus, m.liquidus, m.latent_heat);
-  for (const auto& values : m.parameters) look(values);
+  std::size_t most =
+      namelist::longest(m.name, m.eos, m.curve, m.tillotson, m.table, m.metal, m.melts, m.density, m.viscosity,
+                        m.conductivity, m.temperature, m.solidus, m.liquidus, m.latent_heat);
+  for (const auto& values : m.parameters) most = std::max(most, values.size());
   return most;
 }
 
 std::string check_name(const namelist::schema& schema, const options& o, std::size_t n) {
-  const auto name = of(o.more.name, n);
+  const auto name = element_of(o.more.name, n);
   const auto fail = [&](const std::string& what) { schema.fail_at(group, "name", n, what); };
   if (name.empty())
     schema.fail_at(group,
-                   of(o.more.viscosity, n) ? "viscosity"
-                   : of(o.more.density, n) ? "density"
-                                           : "name",
+                   element_of(o.more.viscosity, n) ? "viscosity"
+                   : element_of(o.more.density, n) ? "density"
+                                                   : "name",
                    n, fmt::format("the {}. &material has no name", n + 1));
   if (!std::ranges::all_of(name, namelist::is_name_character))
     fail(fmt::format("expected letters, digits and '_', found {}", namelist::quote(namelist::excerpt(name))));
@@ -63,8 +53,8 @@ void check_together(const namelist::schema& schema, const options& o, const mate
     schema.fail_at(group, key, n, fmt::format("of '{}': {}", m.name, what));
   };
   const bool linear = m.eos == "linear", enthalpy = o.temperature_law == "enthalpy";
-  const bool has_density = of(o.more.density, n).has_value();
-  if (!of(o.more.viscosity, n)) schema.fail_at(group, "name", n, fmt::format("'{}' has no viscosity", m.name));
+  const bool has_density = element_of(o.more.density, n).has_value();
+  if (!element_of(o.more.viscosity, n)) schema.fail_at(group, "name", n, fmt::format("'{}' has no viscosity", m.name));
   if (linear && !has_density)
     schema.fail_at(group, "name", n, fmt::format("'{}' has no density, which eos = 'linear' needs", m.name));
   if (!linear && has_density) fail("density", "is of the linear equation of state; '" + m.eos + "' has its own");
@@ -82,7 +72,7 @@ void check_together(const namelist::schema& schema, const options& o, const mate
   if (m.melts && o.melting.curve == "none") fail("melts", "nothing melts: &melting curve is 'none'");
   for (const auto& [key, values] :
        {std::pair{"solidus", &o.more.solidus}, {"liquidus", &o.more.liquidus}, {"latent_heat", &o.more.latent_heat}})
-    if (!m.melts && of(*values, n)) fail(key, "is of a material that melts = 'yes'");
+    if (!m.melts && element_of(*values, n)) fail(key, "is of a material that melts = 'yes'");
   if (m.melts && m.solidus.has_value() != m.liquidus.has_value())
     fail(m.solidus ? "solidus" : "liquidus", "takes solidus and liquidus together; without them those of &melting");
   if (m.solidus && m.liquidus && !(*m.liquidus > *m.solidus)) fail("liquidus", "must be above the solidus");
@@ -131,12 +121,12 @@ void read_materials(const namelist::schema& schema, problem_kind kind, options& 
   for (std::size_t n = 0; n < number; ++n) {
     material_options m;
     m.name = check_name(schema, o, n);
-    if (const auto eos = of(from.eos, n); !eos.empty()) m.eos = eos;
-    m.table = of(from.table, n);
-    m.parameters.tillotson = of(from.tillotson, n);
-    m.parameters.curve = of(from.curve, n);
+    if (const auto eos = element_of(from.eos, n); !eos.empty()) m.eos = eos;
+    m.table = element_of(from.table, n);
+    m.parameters.tillotson = element_of(from.tillotson, n);
+    m.parameters.curve = element_of(from.curve, n);
     for (std::size_t k = 0; k < eos::parameters.size(); ++k) {
-      const auto value = of(from.parameters[k], n);
+      const auto value = element_of(from.parameters[k], n);
       if (eos::parameters[k].key == "bulk_modulus")
         m.bulk_modulus = value;
       else if (eos::parameters[k].key == "heat_capacity")
@@ -144,15 +134,15 @@ void read_materials(const namelist::schema& schema, problem_kind kind, options& 
       else
         m.parameters.*eos::parameters[k].member = value;
     }
-    m.density = of(from.density, n).value_or(0.0);
-    m.viscosity = of(from.viscosity, n).value_or(0.0);
-    m.conductivity = of(from.conductivity, n);
-    m.temperature = of(from.temperature, n);
-    m.solidus = of(from.solidus, n);
-    m.liquidus = of(from.liquidus, n);
-    m.latent_heat = of(from.latent_heat, n);
-    m.metal = of(from.metal, n) == "yes";
-    m.melts = of(from.melts, n) == "yes";
+    m.density = element_of(from.density, n).value_or(0.0);
+    m.viscosity = element_of(from.viscosity, n).value_or(0.0);
+    m.conductivity = element_of(from.conductivity, n);
+    m.temperature = element_of(from.temperature, n);
+    m.solidus = element_of(from.solidus, n);
+    m.liquidus = element_of(from.liquidus, n);
+    m.latent_heat = element_of(from.latent_heat, n);
+    m.metal = element_of(from.metal, n) == "yes";
+    m.melts = element_of(from.melts, n) == "yes";
     check_together(schema, o, m, n);
     o.material.push_back(std::move(m));
   }
