@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
       .restarts = true,
       .declare = [&](namelist::schema& schema) { planet::declare(schema, o); },
       .complete = [&](const namelist::schema& schema) { planet::resolve(schema, o); },
-      .need = [&] { return run::need_of(static_cast<double>(o.particles), 1080.0, o.gas.common.kernel, 3); },
+      .need = [&] { return run::need_of(static_cast<double>(o.particles), 1290.0, o.gas.common.kernel, 3); },
       .particles_key = {"planet", "particles"},
       .add_options =
           [&](CLI::App& app, run::command_line&) {

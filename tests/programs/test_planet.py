@@ -58,6 +58,18 @@ class Planet(Case):
         short = {**SMALL, "planet.particles": 500, "time.t_end": 100, "expert.settle": 0.5}
         self.assert_exact("planet", "planet_earth", short, 2, layouts=((2, 1), (3, 2)))
 
+    def test_a_snapshot_as_start(self):
+        """It goes on without settling, and one that moves is not brought to rest unasked."""
+        unsettled = {**SMALL, "planet.particles": 300, "expert.settle": 0, "time.t_end": 100, "output.interval": 0}
+        first = self.run_program("planet", "planet_earth", unsettled)
+        file = {"initial.file": sorted(first.directory.glob("snapshot_*.h5"))[-1]}
+        again = self.run_program("planet", "planet_earth", {**unsettled, **file}).summary
+        self.assertEqual(again["fluid_particles"], first.summary["fluid_particles"])
+        self.assertLess(abs(again["metrics"]["energy_drift"]), 1e-4)
+        self.assertGreater(again["metrics"]["v_rms_over_v_escape"], 0.0)
+        moving = self.call("planet", *self.arguments("planet_earth", {**unsettled, **file, "expert.settle": 1}, self.here / "no"))
+        self.assert_says(moving, BAD_INPUT, "what is settled starts at rest")
+
     def test_wrong_input(self):
         for settings, *words in [({"planet.radius": 2e7}, "&planet radius", "alone it would be smaller"),
                                  ({"planet.radius": 3e6}, "&planet radius", "alone it would be larger"),

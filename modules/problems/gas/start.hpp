@@ -172,6 +172,7 @@ void take_from_file(world<D>& g) {
   const run::start_file file(g.o.common.start, run::start_box_of(g.w),
                              {"Coordinates", "Velocities", "Density", "Masses"});
   const auto x = file.places(), v = file.velocities(), rho = file.densities(), m = file.masses();
+  if (g.o.common.start.settles()) file.expect_at_rest(v);
   const auto [gamma_l, stiffness_l] = gas_of(g, g.test.material_l);
   const auto [gamma_r, stiffness_r] = gas_of(g, 1 - g.test.material_l);
   const bool two = g.any_eos || gamma_l != gamma_r || stiffness_l != stiffness_r;
