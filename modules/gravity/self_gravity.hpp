@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <domain/communicator.hpp>
-#include <foundation/exact_sum.hpp>
 #include <gravity/direct.hpp>
 #include <gravity/tree.hpp>
 #include <numeric>
@@ -36,13 +35,6 @@ class self {
   }
 
   const particles::array& potential() const { return *potential_; }
-  // Collective. J (2-D: J/m): half the sum of m φ, of the last evaluation.
-  double energy() const {
-    const auto& s = box_->w.s;
-    foundation::exact_sum twice;
-    for (std::size_t i = 0; i < s.fluid; ++i) twice.add(s.m[i] * (*potential_)[i]);
-    return 0.5 * box_->w.d.ranks.exact(twice);
-  }
 
   // Collective. |a - a_direct|/|a_direct| of the last evaluation: the median, and what 99 % are below. Of every n-th
   // particle by ID, 500 or so.

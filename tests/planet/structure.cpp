@@ -40,7 +40,7 @@ eos::any linear(double K, double rho0) {
 
 }  // namespace
 
-// From a solution that is not this project's code, converged to 1e-6, of G = 6.67408e-11: its digits.
+// An independent integration, converged to 1e-6, of G = 6.67408e-11: its digits.
 BOOST_AUTO_TEST_CASE(earth_of_iron_and_basalt) {
   const profile p = planet::structure_of_radius(earth(), 6.371e6);
   const auto &below = p.layers()[0].outer(), &above = p.layers()[1].inner();
@@ -77,8 +77,7 @@ BOOST_AUTO_TEST_CASE(incompressible_ball) {
   BOOST_TEST(p.at(0.5 * R, 0).p == 0.75 * p0 + 1e5, boost::test_tools::tolerance(1e-4));
 }
 
-// p = K (ρ/ρ0 - 1) is ρ'' + 2ρ'/r + (4πG ρ0/K) ρ² = 0 times K/ρ0 … with dp = (K/ρ0) dρ: hydrostatic equilibrium
-// holds between levels, to the second order of their distance.
+// Hydrostatic equilibrium and the mass of shells between levels, to the second order of their distance.
 BOOST_AUTO_TEST_CASE(equilibrium_between_levels) {
   const profile p = planet::structure_of_radius(earth(), 6.371e6);
   for (const auto& layer : p.layers())

@@ -52,8 +52,7 @@ class profile {
   const level& centre() const { return layers_.front().inner(); }
   // The layer that holds this radius; the outermost beyond the surface.
   std::size_t layer_at(double r) const;
-  // By cubic Hermite interpolation of r³ and ln ρ, with p and T; relative error below 1e-7. r inside of the layer; the
-  // nearest level's values beyond.
+  // Linear between levels in r³, with a relative error of about 1e-5; beyond the layer the nearest level's values.
   level at(double r, std::size_t layer) const;
   // The radius that encloses m.
   level at_mass(double m, std::size_t layer) const;
