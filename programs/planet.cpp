@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <domain/communicator.hpp>
+#include <foundation/error.hpp>
 #include <gas/convergence.hpp>
 #include <output/file.hpp>
 #include <planet/options.hpp>
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
       .restarts = true,
       .declare = [&](namelist::schema& schema) { planet::declare(schema, o); },
       .complete = [&](const namelist::schema& schema) { planet::resolve(schema, o); },
-      .need = [&] { return run::need_of(static_cast<double>(o.particles), 1290.0, o.gas.common.kernel, 3); },
+      .need =
+          [&] { return run::need_of(static_cast<double>(o.number_of_particles()), 1290.0, o.gas.common.kernel, 3); },
       .particles_key = {"planet", "particles"},
       .add_options =
           [&](CLI::App& app, run::command_line&) {
@@ -26,8 +28,11 @@ int main(int argc, char** argv) {
                 ->type_name("FILE.json");
           }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
+    if (!profile.empty() && o.impact_of)
+      foundation::fail_input("--profile is of one planet, and the input has &impact");
     if (!profile.empty()) return output::write_text(MPI_COMM_WORLD, profile, planet::describe(o));
     if (domain::communicator::world().rank == 0) std::fputs(planet::summary(o).c_str(), stderr);
-    run::carry_out(*gas::make_3d(o.gas, planet::start_of(o)), o.gas.common, line, resolved);
+    run::carry_out(*gas::make_3d(o.gas, o.impact_of ? planet::impact_start(o) : planet::start_of(o)), o.gas.common,
+                   line, resolved);
   });
 }

@@ -56,6 +56,13 @@ std::string hash_of(const std::string& path) {
 
 }  // namespace
 
+std::string input_file::label() const {
+  if (!of_start) return name;
+  std::string key = where.substr(where.rfind('&') + 1);
+  std::ranges::replace(key, ' ', '.');
+  return key;
+}
+
 std::vector<input_file> find_input_files(const namelist::schema& schema, const std::string& earlier) {
   std::vector<input_file> all;
   std::vector<std::string> given;  // the path of each
@@ -109,8 +116,7 @@ std::vector<std::string> copies_in(const std::string& folder) {
     for (const auto& group : input.groups())
       for (const auto& from : group.assignments)
         for (const auto& value : from.values)
-          if (from.key.ends_with("file") && value.content.starts_with(mark) &&
-              fs::path(value.content).filename() == value.content)
+          if (value.content.starts_with(mark) && fs::path(value.content).filename() == value.content)
             names.push_back(value.content);
   } catch (const foundation::error&) {
     return {};  // no run, or not one of ours
@@ -126,7 +132,7 @@ std::map<std::string, std::string> hashes_of(const std::vector<input_file>& file
 }
 
 void expect_same_files(const std::vector<input_file>& files, const std::map<std::string, std::string>& saved) {
-  if (saved.contains("initial.file") && std::ranges::count(files, true, &input_file::of_start) == 0)
+  if (saved.contains("initial.file") && std::ranges::none_of(files, &input_file::of_start))
     foundation::fail_input("the run was begun from a snapshot, and this input gives no &initial file: give that one");
   for (const auto& f : files) {
     if (f.of_start && !is_there(f.from)) continue;

@@ -20,7 +20,7 @@ struct input_file {
   bool copied = true;
   bool of_start = false;
 
-  std::string label() const { return of_start ? "initial.file" : name; }  // of its hash
+  std::string label() const;  // of its hash: "initial.file", the key of a snapshot to start from; else the name
 };
 
 // At a restart copies in `earlier`, the folder of the run that goes on, take the place of files that are gone. Fails,

@@ -93,7 +93,7 @@ class particle_simulation : public simulation {
     auto& s = box.w.s;
     if (part == damped::rest) {
       for (std::size_t a = 0; a < D; ++a) {
-        std::fill_n(s.v[a].begin(), s.fluid, 0.0);
+        for (std::size_t i = 0; i < s.fluid; ++i) s.v[a][i] = velocity_once_settled(a, i);
         if (s.keeps_start && starts_anew()) std::copy_n(s.x[a].begin(), s.fluid, s.x_start[a].begin());
       }
       return;
@@ -101,14 +101,15 @@ class particle_simulation : public simulation {
     const auto all = fields();
     for (std::size_t k = 0; k < all.size(); ++k) {
       double* const value = all[k].data;
-      bool kicked = false,
-           drifts = value == s.rho.data() || value == s.Y.data() || (settles_at_fixed_entropy() && value == s.u.data());
+      std::size_t kicked = D;  // the component of the velocity; D: it is none
+      bool drifts = value == s.rho.data() || value == s.Y.data() || settles_along(value);
       for (std::size_t a = 0; a < D; ++a) {
-        kicked = kicked || value == s.v[a].data();
+        if (value == s.v[a].data()) kicked = a;
         drifts = drifts || value == s.x[a].data();
       }
-      if (part == damped::kick && kicked)
-        for (std::size_t i = 0; i < s.fluid; ++i) value[i] = kept * (value[i] + dt * rate[k][i]);
+      if (part == damped::kick && kicked < D)
+        for (std::size_t i = 0; i < s.fluid; ++i)
+          value[i] = kept * (value[i] + dt * (rate[k][i] + settling_acceleration(kicked, i)));
       if (part == damped::drift && drifts)
         for (std::size_t i = 0; i < s.fluid; ++i) value[i] += dt * rate[k][i];
     }
@@ -256,8 +257,12 @@ class particle_simulation : public simulation {
   virtual double diffusion_radius() { return 0.0; }
   // m/s, the fastest at the start, of pressure over mass; 0: accelerations say nothing of a balance.
   virtual double sound_of_start() { return 0.0; }
-  // Whether the internal energy follows the work of pressure while a start settles, or stays.
-  virtual bool settles_at_fixed_entropy() const { return false; }
+  // Whether what is integrated in this array, beside places, velocities, ρ and Y, follows its rate while a start
+  // settles (the internal energy then follows the work of pressure, and the entropy stays), or keeps its value.
+  virtual bool settles_along(const double* /*values*/) const { return false; }
+  // m/s², m/s: what a start is at rest under in a frame that turns, and the velocity that it has outside of it then.
+  virtual double settling_acceleration(std::size_t /*axis*/, std::size_t /*i*/) const { return 0.0; }
+  virtual double velocity_once_settled(std::size_t /*axis*/, std::size_t /*i*/) const { return 0.0; }
   // Whether displacements count from where a settled start comes to rest.
   virtual bool starts_anew() const { return true; }
   // s, of the present state, once its rate is known: a bound for the next step.

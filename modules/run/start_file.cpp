@@ -299,9 +299,10 @@ std::vector<std::int32_t> start_file::materials(std::int32_t number, const std::
     }
     if (!is_number || m >= number)
       fail_at(n, fmt::format("its Material is {}: expected {}", m,
-                             number == 1   ? "0"
-                             : number == 2 ? "0 or 1"
-                                           : fmt::format("0 to {} ('{}')", number - 1, fmt::join(names, "', '"))));
+                             number == 1     ? "0"
+                             : number == 2   ? "0 or 1"
+                             : names.empty() ? fmt::format("0 to {}", number - 1)
+                                             : fmt::format("0 to {} ('{}')", number - 1, fmt::join(names, "', '"))));
     all[n] = static_cast<std::int32_t>(m);
   }
   return all;

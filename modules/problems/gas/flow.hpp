@@ -93,8 +93,9 @@ double largest_density(const world<D>& g) {
 template <int D>
 view particles_seen(const world<D>& g) {
   const auto& s = g.w.s;
-  view seen{g.ranks(),        s.fluid, {}, {}, s.m.data(), g.told_density().data(), s.p.data(), g.number_volume.data(),
-            s.material.data()};
+  view seen{
+      g.ranks(),         s.fluid,    {}, {}, s.m.data(), g.told_density().data(), s.p.data(), g.number_volume.data(),
+      s.material.data(), s.id.data()};
   for (std::size_t a = 0; a < D; ++a) {
     seen.x[a] = s.x[a].data();
     seen.v[a] = s.v[a].data();
@@ -195,7 +196,15 @@ class flow : public run::particle_simulation<D> {
   double sound_of_start() override { return g_.speed_scale; }
   run::apart moved() override { return gas::moved(g_); }
   double allowance() const override { return gas::allowance(g_); }
-  bool settles_at_fixed_entropy() const override { return true; }
+  bool settles_along(const double* values) const override {
+    return values == g_.w.s.u.data() || values == g_.evolved.data();
+  }
+  double settling_acceleration(std::size_t a, std::size_t i) const override {
+    return g_.test.turns.centrifugal(a, g_.place(i));
+  }
+  double velocity_once_settled(std::size_t a, std::size_t i) const override {
+    return g_.test.turns.velocity(a, g_.place(i));
+  }
   bool widens_lists() const override { return true; }  // the signal velocity limits steps too
 
   void commit_lagged() override {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <eos/keys.hpp>
 #include <gas/setups.hpp>
+#include <numbers>
 #include <run/amounts.hpp>
 
 namespace tetsuame::gas {
@@ -25,10 +26,12 @@ void declare_case(namelist::schema& schema, shock_options& s) {
   schema.add(
       "shock", "test", s.test,
       {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts",
-                   "impact", "viscous_shock"},
-       .meaning = "what is at the start; left and right are inside and outside of a square or band, core and mantle of "
-                  "bodies that meet, behind a shock and ahead of it. square: pairs are in double precision unless "
-                  "&kernel precision is given"});
+                   "impact", "viscous_shock", "collapse"},
+       .meaning =
+           "what is at the start; left and right are inside and outside of a square or band, core and mantle of "
+           "bodies that meet, behind a shock and ahead of it. collapse: a cold cloud of mass and radius 1 under its "
+           "own gravity, in units with G = 1, of gamma alone. square: pairs are in double precision unless "
+           "&kernel precision is given"});
   schema.add(
       "shock", "scheme", s.scheme,
       {.choices = {"ssph", "disph", "gsph", "gdisph", "remix", "gdf"},
@@ -110,6 +113,13 @@ void declare_states(namelist::schema& schema, shock_options& s) {
   }
 }
 
+void declare_softening(namelist::schema& schema, double& softening) {
+  schema.add("shock", "softening", softening,
+             for_expert(up_to(10.0,
+                              "collapse: radius beyond which a particle's field is that of a point, over its "
+                              "kernel's support at the start")));
+}
+
 void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "window", s.window,
              for_expert(up_to(1.0, "errors are measured in this part of the box along x, about its middle")));
@@ -186,6 +196,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
+  declare_softening(schema, o.softening);
   declare_transport(schema, o.shock);
   regions::declare(schema, of_regions, o.of_regions);
   sources::declare(schema, {.temperature = false}, o.of_sources);
@@ -212,6 +223,7 @@ double expected_particles(const options& o) {
     const double radius = o.shock.radius / o.domain.dx();  // in spacings
     return std::min(lattice, 2.0 * run::particles_within(radius, o.domain.dimension));
   }
+  if (o.shock.test == "collapse") return lattice * std::numbers::pi / 6.0;
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
   const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
   return lattice * (1.0 - inside + inside * o.shock.l.rho / o.shock.r.rho);
@@ -297,6 +309,21 @@ void check_form(const namelist::schema& schema, const options& o) {
                 "evens out u, whose zero differs from material to material: one ideal gas alone");
 }
 
+void check_collapse(const namelist::schema& schema, const options& o) {
+  if (o.domain.dimension != 3) schema.fail("domain", "dimension", "the test 'collapse' has three dimensions");
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (o.domain.periodic[a])
+      schema.fail("domain", std::string("periodic_") + "xyz"[a], "the cloud of the test 'collapse' is in open space");
+    if (o.domain.length[a] != 2.0)
+      schema.fail("domain", std::string("length_") + "xyz"[a],
+                  "expected 2: the cloud of the test 'collapse' fills its box");
+  }
+  if (o.any_eos()) schema.fail("shock", "eos_l", "the test 'collapse' is of an ideal gas");
+  for (const char* key : {"rho_l", "u_l", "p_l", "rho_r", "u_r", "p_r"})
+    if (schema.changed("shock", key))
+      schema.fail("shock", key, "the state of the test 'collapse' is given: leave it out");
+}
+
 void check_test(const namelist::schema& schema, const options& o) {
   const auto& s = o.shock;
   const auto& test = s.test;
@@ -319,6 +346,10 @@ void check_test(const namelist::schema& schema, const options& o) {
       if (o.domain.length[a] < (a == 0 ? 4.0 : 2.0) * s.radius)
         schema.fail("shock", "radius", "the box does not hold the two bodies side by side");
   }
+  if (test == "collapse")
+    check_collapse(schema, o);
+  else if (o.softening != 1.0)
+    schema.fail("shock", "softening", "is of the test 'collapse', which has gravity of its own");
   if (s.corner)
     for (std::size_t a = 0; a < o.domain.axes(); ++a)
       if (test != "sedov" || o.domain.periodic[a])
@@ -370,6 +401,8 @@ void resolve_regions(const namelist::schema& schema, options& o) {
     schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
   if (!o.common.start.file.empty() && o.shock.coarser > 0)
     schema.fail("shock", "coarser", "a snapshot has particles of one resolution");
+  if (r.any() && o.shock.test == "collapse")
+    schema.fail("shock", "test", "the start of 'collapse' is given, and so leaves nothing to &region");
   if (r.any() && o.shock.coarser > 0)
     schema.fail("shock", "coarser", "the start is that of &region: there is no exact solution");
   if (r.give(what::energy) && r.give(what::pressure))
@@ -387,7 +420,7 @@ void check_coarser(const namelist::schema& schema, const options& o) {
   if (k == 0) return;
   if (o.shock.molecular.any() && o.shock.test != "viscous_shock")
     schema.fail("shock", "coarser", "with friction or conduction of the gas there is no exact solution");
-  for (const char* test : {"square", "kelvin_helmholtz", "rayleigh_taylor", "blasts"})
+  for (const char* test : {"square", "kelvin_helmholtz", "rayleigh_taylor", "blasts", "collapse"})
     if (o.shock.test == test)
       schema.fail("shock", "coarser",
                   fmt::format("the test '{}' has no exact solution to measure errors against", test));
@@ -437,9 +470,16 @@ void resolve(const namelist::schema& schema, options& o) {
   resolve_regions(schema, o);
   check_coarser(schema, o);
   if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
+  if (o.shock.test == "collapse") {
+    o.domain.open = {true, true, true};
+    gravity::tree_options units;
+    units.gravitational_constant = 1.0;
+    o.self_gravity = units;
+  }
   const auto test = schema.placed("shock", "test", [&] { return make_setup(o); });
   schema.placed("shock", "test", [&] { check_start(o, test); });
   std::vector<std::string> fields{"InternalEnergy"};
+  if (o.self_gravity) fields.emplace_back("GravitationalPotential");
   if (o.has_alpha()) fields.emplace_back("ArtificialViscosity");
   if (test.exact) fields.insert(fields.end(), {"DensityReference", "PressureReference", "VelocitiesReference"});
   run::check_output(schema, o.common, o.domain, fields);

@@ -59,11 +59,13 @@ struct shock_options {
 struct options {
   domain::options domain{.dimension = 1, .length = {1.0, 0.0, 0.0}, .particles = {400, 0, 0}};
   shock_options shock;
-  regions::options of_regions;  // as the input has them
+  std::vector<side_options> materials = {};  // by number, of a start of more than two; none: left and right
+  regions::options of_regions;               // as the input has them
   regions::all regions;
   sources::options of_sources;
   sources::all sources;
   std::optional<gravity::tree_options> self_gravity = {};
+  double softening = 1.0;  // of a particle's own field, over its kernel's support at the start
   run::common_options common;
 
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
@@ -78,7 +80,7 @@ struct options {
   bool conducts() const { return shock.conductivity > 0.0; }
   bool terms_fade() const { return shock.support_terms == "fading"; }
   bool evolves_density() const { return shock.scheme == "remix"; }
-  bool any_eos() const { return !shock.l.eos.empty(); }
+  bool any_eos() const { return !shock.l.eos.empty() || !materials.empty(); }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
   // Whether the viscosity of each particle has a coefficient of its own.
   bool has_alpha() const { return !godunov() && !evolves_density() && shock.switch_of_alpha; }

@@ -29,6 +29,9 @@ double wave_number(const options& o);
 setup overturn(const options& o);
 setup impact(const options& o);
 
+// setup_of_collapse.cpp
+setup collapse(const options& o);
+
 // setup_of_viscous_shock.cpp
 setup viscous_shock(const options& o);
 

@@ -445,6 +445,7 @@ setup test_of(const options& o) {
   if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
   if (test == "rayleigh_taylor") return o.any_eos() ? overturn(o) : rayleigh_taylor(o);
   if (test == "impact") return impact(o);
+  if (test == "collapse") return collapse(o);
   if (test == "viscous_shock") return viscous_shock(o);
   return o.any_eos() ? tube_of_materials(o) : tube_of_gases(o);
 }

@@ -15,6 +15,7 @@ struct state {
   point v{};      // m/s
   std::int32_t material = 0;
   std::optional<double> temperature = {};  // K, with an equation of state; none: that of its side
+  std::optional<double> energy = {};       // J/kg, internal; none: by temperature or pressure
 };
 
 // An even lattice of n particles along each axis between two corners, cell-centred.
@@ -31,6 +32,7 @@ struct view {
   std::array<const double*, 3> x, v;  // none beyond the dimension
   const double *m, *rho, *p, *volume;
   const std::int32_t* material;
+  const std::int64_t* id;
 
   point place(std::size_t i) const { return of(x, i); }
   point velocity(std::size_t i) const { return of(v, i); }
@@ -56,6 +58,18 @@ using numbers = std::vector<std::pair<std::string, std::optional<double>>>;  // 
 struct placed {
   point x;
   double mass;  // kg
+  state now;
+};
+
+// v = ω e_z × (x - centre) + ε (x - centre)
+struct turning {
+  double spin = 0.0, expansion = 0.0;  // rad/s, 1/s
+  point centre{};                      // m
+  double velocity(std::size_t a, const point& x) const {
+    const double across = a == 0 ? centre[1] - x[1] : a == 1 ? x[0] - centre[0] : 0.0;
+    return spin * across + expansion * (x[a] - centre[a]);
+  }
+  double centrifugal(std::size_t a, const point& x) const { return a < 2 ? spin * spin * (x[a] - centre[a]) : 0.0; }
 };
 
 struct setup {
@@ -63,7 +77,8 @@ struct setup {
   std::vector<placed> particles = {};  // after those of the blocks
   std::int32_t material_l = 0;         // of the gas on the left or inside, with its gamma and p_infinity
   std::function<state(const point&)> start;
-  std::function<point(const point&)> moved = {};              // where its particle is put; none: there
+  turning turns = {};                             // of a start once it has settled, at rest in the frame that turns
+  std::function<point(const point&)> moved = {};  // where its particle is put; none: there
   std::function<state(const point&, double t)> exact = {};    // none: no errors
   std::function<bool(const point&, double t)> measured = {};  // where errors are; none: everywhere
   numbers known = {};                                         // of the exact solution, for summary.json

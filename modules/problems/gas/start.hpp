@@ -15,10 +15,11 @@ struct start_state {
 template <int D>
 start_state start_of(const world<D>& g, const state& now) {
   if (g.any_eos) {
-    const bool left = now.material == g.test.material_l;
-    const eos::caloric& m = g.materials[left ? 0 : 1];
-    const double u = m.internal_energy(
-        now.rho, now.temperature ? *now.temperature : *(left ? g.o.shock.l : g.o.shock.r).temperature);
+    const std::size_t k = g.side_of(now.material);
+    const eos::caloric& m = g.materials[k];
+    const double u = now.energy
+                         ? *now.energy
+                         : m.internal_energy(now.rho, now.temperature ? *now.temperature : *g.side(k).temperature);
     return {u, m.at(now.rho, u).c};
   }
   const auto [gamma, stiffness] = gas_of(g, now.material);
@@ -28,11 +29,12 @@ start_state start_of(const world<D>& g, const state& now) {
 template <int D>
 void make_materials(world<D>& g) {
   if (!g.any_eos) return;
-  for (const auto* side : {&g.o.shock.l, &g.o.shock.r}) {
-    const eos::caloric& m = g.materials.emplace_back(eos_of(*side));
-    const double u = m.internal_energy(side->rho, *side->temperature);
-    g.stiffening.push_back(m.stiffening(side->rho, u));
-    g.start_sound.push_back(m.at(side->rho, u).c);
+  for (std::size_t k = 0; k < g.sides(); ++k) {
+    const side_options& side = g.side(k);
+    const eos::caloric& m = g.materials.emplace_back(eos_of(side));
+    const double u = m.internal_energy(side.rho, *side.temperature);
+    g.stiffening.push_back(m.stiffening(side.rho, u));
+    g.start_sound.push_back(m.at(side.rho, u).c);
   }
 }
 
@@ -63,7 +65,7 @@ void make_box(world<D>& g) {
   g.walls.sides = walls::make_sides<D>(without_friction, region);
 }
 
-// f(x, mass over density: m^D, spacing) for every particle of the blocks, in the order of their IDs.
+// f(x, state, mass over density: m^D) for every particle, in the order of their IDs.
 template <int D, class F>
 void for_each_start(const setup& t, F&& f) {
   for (const block& b : t.blocks) {
@@ -82,10 +84,10 @@ void for_each_start(const setup& t, F&& f) {
         x[a] = b.low[a] + (static_cast<double>(rest % b.n[a]) + 0.5) * step[a];
         rest /= b.n[a];
       }
-      if (!b.holds || b.holds(x)) f(x, volume);
+      if (!b.holds || b.holds(x)) f(x, t.start(x), volume);
     }
   }
-  for (const placed& p : t.particles) f(p.x, p.mass / t.start(p.x).rho);
+  for (const placed& p : t.particles) f(p.x, p.now, p.mass / p.now.rho);
 }
 
 template <int D>
@@ -93,19 +95,19 @@ void place_particles(world<D>& g) {
   auto& s = g.w.s;
   struct start {
     std::int64_t id;
-    point x, put;
+    state now;
+    point put;
     double volume;
   };
   std::vector<start> mine;
   std::int64_t id = 0;
   double densest = 0.0;
-  for_each_start<D>(g.test, [&](const point& x, double volume) {
-    const state now = g.test.start(x);
+  for_each_start<D>(g.test, [&](const point& x, const state& now, double volume) {
     densest = std::max(densest, now.rho);
     const point put = g.test.moved ? g.test.moved(x) : x;
     std::array<double, D> place;
     std::copy_n(put.begin(), D, place.begin());
-    if (g.w.d.within(g.w.d.cell(), place)) mine.push_back({id, x, put, volume});
+    if (g.w.d.within(g.w.d.cell(), place)) mine.push_back({id, now, put, volume});
     ++id;
   });
   g.fluid_total = id;
@@ -114,7 +116,7 @@ void place_particles(world<D>& g) {
   std::vector<double> sound;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto& p = mine[i];
-    const state now = g.test.start(p.x);
+    const state& now = p.now;
     const start_state thermal = start_of(g, now);
     s.id[i] = p.id;
     s.material[i] = now.material;
@@ -130,7 +132,7 @@ void place_particles(world<D>& g) {
     }
     g.support[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
     g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
-    if (g.o.self_gravity) g.softening[i] = g.support[i];
+    if (g.o.self_gravity) g.softening[i] = g.o.softening * g.support[i];
   }
   // Of sound and flow together, in the frame that all are in.
   const auto frame = run::on_all(g.ranks(), run::velocities(g)).template middle<D>();
@@ -173,11 +175,10 @@ void take_from_file(world<D>& g) {
                              {"Coordinates", "Velocities", "Density", "Masses"});
   const auto x = file.places(), v = file.velocities(), rho = file.densities(), m = file.masses();
   if (g.o.common.start.settles()) file.expect_at_rest(v);
-  const auto [gamma_l, stiffness_l] = gas_of(g, g.test.material_l);
-  const auto [gamma_r, stiffness_r] = gas_of(g, 1 - g.test.material_l);
-  const bool two = g.any_eos || gamma_l != gamma_r || stiffness_l != stiffness_r;
-  if (two && !file.has("Material")) file.fail(" has no field Material");
-  const auto material = file.has("Material") ? file.materials(2) : std::vector<std::int32_t>(rho.size(), 0);
+  const auto number = static_cast<std::int32_t>(g.sides());
+  const bool differ = g.any_eos ? number > 1 : gas_of(g, 0) != gas_of(g, 1);
+  if (differ && !file.has("Material")) file.fail(" has no field Material");
+  const auto material = file.has("Material") ? file.materials(number) : std::vector<std::int32_t>(rho.size(), 0);
   const auto u = energies_of(g, file, rho, material);
   std::vector<double> volume(rho.size()), reach(rho.size());
   for (std::size_t n = 0; n < rho.size(); ++n) {
@@ -204,7 +205,7 @@ void take_from_file(world<D>& g) {
     }
     g.support[i] = reach[n];
     g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
-    if (g.o.self_gravity) g.softening[i] = g.support[i];
+    if (g.o.self_gravity) g.softening[i] = g.o.softening * g.support[i];
   }
 }
 

@@ -30,7 +30,7 @@ struct world : run::state<D>, schemes::arrays<D> {
   const bool godunov = o.godunov(), second_order = o.second_order(), evolves_density = o.evolves_density();
   const bool geometric = o.geometric(), integral_gradients = o.integral();
   const bool part_of_star = o.shock.star_pressure == "balsara";
-  std::vector<eos::caloric> materials = {};                 // left, right; none: gases
+  std::vector<eos::caloric> materials = {};                 // by side; none: gases
   std::vector<double> stiffening = {};                      // K_S' of each
   std::vector<double> start_sound = {};                     // m/s, of each
   kernel_choice<D> unit = kernels::quintic_spline<D>(1.0);  // support 1
@@ -95,14 +95,22 @@ struct world : run::state<D>, schemes::arrays<D> {
     for (std::size_t a = 0; a < D; ++a) x[a] = w.s.x[a][i];
     return x;
   }
-  std::size_t side_of(std::size_t i) const { return w.s.material[i] == test.material_l ? 0 : 1; }
-  const eos::caloric& caloric_of(std::size_t i) const { return materials[side_of(i)]; }
+  // Sides are the left and the right one, or the materials by number.
+  std::size_t sides() const { return o.materials.empty() ? 2 : o.materials.size(); }
+  const side_options& side(std::size_t k) const {
+    return !o.materials.empty() ? o.materials[k] : k == 0 ? o.shock.l : o.shock.r;
+  }
+  std::size_t side_of(std::int32_t material) const {
+    if (!o.materials.empty()) return static_cast<std::size_t>(material);
+    return material == test.material_l ? 0 : 1;
+  }
+  const eos::caloric& caloric_of(std::size_t i) const { return materials[side_of(w.s.material[i])]; }
   // By its equation of state; without tension p is not below 0, and sound, which an expanded solid may lack, not below
   // a tenth of that at the start.
   eos::caloric_state state_of(std::size_t i) const {
     eos::caloric_state now = caloric_of(i).at(w.s.rho[i], w.s.u[i]);
     if (o.shock.tension || !std::isfinite(now.p)) return now;
-    const double slowest = 0.1 * start_sound[side_of(i)];
+    const double slowest = 0.1 * start_sound[side_of(w.s.material[i])];
     now.p = std::max(now.p, 0.0);
     if (!(now.c > slowest)) now.c = slowest;
     return now;
@@ -119,11 +127,9 @@ struct world : run::state<D>, schemes::arrays<D> {
 // gamma and p_infinity; with an equation of state K_S' of the start, and p_infinity follows the state
 template <int D>
 std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
-  const auto& q = g.o.shock;
-  const bool left = material == g.test.material_l;
-  if (g.any_eos) return {g.stiffening[left ? 0 : 1], 0.0};
-  const auto& side = left ? q.l : q.r;
-  return {*side.gamma, side.p_infinity};
+  const std::size_t k = g.side_of(material);
+  if (g.any_eos) return {g.stiffening[k], 0.0};
+  return {*g.side(k).gamma, g.side(k).p_infinity};
 }
 
 // The pair sum of terms over the neighbours of these rows, in the precision that the run chose. The unit of length of

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <eos/caloric.hpp>
 #include <eos/keys.hpp>
 #include <namelist/lists.hpp>
 #include <nlohmann/json.hpp>
@@ -14,7 +15,7 @@ namespace {
 
 using namelist::between, namelist::element_of, namelist::for_expert, namelist::positive;
 
-constexpr std::size_t most_layers = 2;
+constexpr std::size_t most_layers = 8;
 constexpr const char* group = "layer";
 
 namelist::key_info list(namelist::key_info of_one) { return namelist::one_each(std::move(of_one), most_layers); }
@@ -26,7 +27,8 @@ std::size_t given(const layer_options& l) {
 }
 
 void declare_layers(namelist::schema& schema, layer_options& l) {
-  schema.group(group, "a layer of the planet, from the centre outwards: the first &layer is the core; once or twice");
+  schema.group(group,
+               "a layer of the planet, from the centre outwards: the first &layer is the core; once to eight times");
   std::vector<std::string> equations;
   for (const auto& name : eos::names()) equations.emplace_back(name);
   const auto add = [&](const char* key, auto& to, const namelist::key_info& info) {
@@ -47,7 +49,8 @@ void resolve_layers(const namelist::schema& schema, options& o) {
   if (number == 0) foundation::fail_input("&layer: a planet has one layer at least");
   for (std::size_t n = 0; n < number; ++n) {
     auto name = element_of(o.layer.name, n);
-    if (name.empty()) name = number == 1 ? "body" : n == 0 ? "core" : "mantle";
+    if (name.empty())
+      name = number == 1 ? "body" : n == 0 ? "core" : number == 2 ? "mantle" : fmt::format("layer_{}", n + 1);
     const auto eos = element_of(o.layer.eos, n);
     if (eos.empty()) schema.fail_at(group, "eos", n, fmt::format("layer '{}' has no equation of state", name));
     eos::material_options m;
@@ -102,39 +105,131 @@ void resolve_structure(const namelist::schema& schema, options& o) {
   o.structure = schema.placed("planet", "mass", [&] { return structure_of_mass(in); });
 }
 
-// What the engine of gas takes: layer 0 is its 'left' material, the last one its 'right' one.
+// A state of the layer's material, which sets its largest stiffness and slowest sound: in the middle of the layer, or
+// of the particle of median density of two bodies.
+std::pair<double, double> typical_state(const options& o, std::size_t n) {  // kg/m³, K
+  if (o.structure) {
+    const auto& levels = o.structure->layers()[n].levels;
+    const level& middle = levels[levels.size() / 2];
+    return {middle.rho, middle.T};
+  }
+  std::vector<std::pair<double, double>> of_material;
+  for (const auto* b : {&o.impact_of->target, &o.impact_of->impactor})
+    for (const auto& p : b->particles)
+      if (p.now.material == o.material_of(n)) of_material.emplace_back(p.now.rho, *p.now.energy);
+  const eos::caloric material(eos::make(o.materials[n]));
+  const auto middle = of_material.begin() + static_cast<std::ptrdiff_t>(of_material.size() / 2);
+  std::ranges::nth_element(of_material, middle);
+  return {middle->first, material.temperature(middle->first, middle->second)};
+}
+
+// What the engine of gas takes.
 void fill_engine(options& o) {
   auto& g = o.gas;
   auto& s = g.shock;
   s.scheme = o.scheme;
   s.weight = "volume";
   s.tension = false;
-  const auto& layers = o.structure->layers();
-  const auto fill = [&](gas::side_options& side, std::size_t n) {
-    const auto& levels = layers[n].levels;
-    const level& middle = levels[levels.size() / 2];
+  g.materials.resize(o.materials.size());
+  for (std::size_t n = 0; n < o.materials.size(); ++n) {
+    auto& side = g.materials[static_cast<std::size_t>(o.material_of(n))];
     side.eos = o.materials[n].name;
     side.tillotson = o.materials[n].tillotson;
     side.table = o.materials[n].table;
     side.parameters = o.materials[n];
-    side.rho = middle.rho;
-    side.p = middle.p;
-    side.temperature = middle.T;
-  };
-  fill(s.l, 0);
-  fill(s.r, layers.size() - 1);
+    const auto [rho, T] = typical_state(o, n);
+    side.rho = rho;
+    side.temperature = T;
+  }
   auto& d = g.domain;
-  const double R = o.structure->radius();
-  const double dx = std::cbrt(4.0 * std::numbers::pi / 3.0 / static_cast<double>(o.particles)) * R;
+  double L = 0.0, R3 = 0.0;
+  if (o.structure) {
+    const double R = o.structure->radius();
+    L = 2.0 * R, R3 = R * R * R;
+  } else {
+    const auto& [target, impactor, start] = *o.impact_of;
+    L = 2.0 * (target.radius + impactor.radius + std::hypot(start.place[0], start.place[1]));
+    R3 = std::pow(target.radius, 3) + std::pow(impactor.radius, 3);
+  }
+  const double dx = std::cbrt(4.0 * std::numbers::pi / 3.0 / static_cast<double>(o.number_of_particles()) * R3);
   d.dimension = 3;
   d.open = {true, true, true};
-  d.particles.fill(std::llround(2.0 * R / dx));
-  d.length.fill(2.0 * R);
+  d.particles.fill(std::llround(L / dx));
+  d.length.fill(L);
   gravity::tree_options tree;
   tree.gravitational_constant = gravitational_constant;
   tree.opening = o.opening;
   tree.tolerance = o.tolerance;
   g.self_gravity = tree;
+}
+
+}  // namespace
+
+namespace {
+
+void declare_impact(namelist::schema& schema, impact_options& i) {
+  schema.group("impact",
+               "two bodies that meet, in place of a planet: snapshots of this program, with the materials of &layer");
+  const auto file = [](const char* what) {
+    return namelist::key_info{.may_change = true, .file = namelist::file_of::start, .meaning = what};
+  };
+  schema.add("impact", "target", i.target, file("snapshot of the body that is met"));
+  schema.add("impact", "impactor", i.impactor, file("snapshot of the other one"));
+  schema.add("impact", "speed", i.speed, namelist::up_to(100.0, "at contact, of the mutual escape velocity"));
+  schema.add("impact", "impact_parameter", i.impact_parameter,
+             between(0.0, 1.0, "sine of the angle between the velocity and the line of centres, at contact"));
+  schema.add("impact", "time_before_contact", i.time_before_contact,
+             {.unit = "s", .minimum = 0.0, .meaning = "at which the run begins, on the orbit of two point masses"});
+  schema.add("impact", "target_radius", i.target_radius,
+             for_expert(positive(
+                 "m", "not given: the mean distance of the outermost hundredth of its particles, and half a spacing")));
+  schema.add("impact", "impactor_radius", i.impactor_radius, for_expert(positive("m", "likewise")));
+}
+
+void check_rotation(const namelist::schema& schema, const options& o) {
+  const auto& start = o.gas.common.start;
+  if (!start.file.empty() && !start.settles())
+    for (const char* key : {"spin_period", "expansion"})
+      if (schema.changed("planet", key))
+        schema.fail("planet", key, "is that of a start which settles: the snapshot has a motion of its own");
+  if (!o.spin_period) return;
+  const double R = o.structure->radius(), M = o.structure->mass();
+  const double shortest = 2.0 * std::numbers::pi * std::sqrt(R * R * R / (gravitational_constant * M));
+  if (*o.spin_period < shortest)
+    schema.fail(
+        "planet", "spin_period",
+        fmt::format("at the equator the planet would leave its surface: expected more than {:.6g} s", shortest));
+}
+
+// Reads both snapshots and finds where the bodies begin.
+void resolve_impact(const namelist::schema& schema, options& o) {
+  auto& i = o.impact;
+  for (const char* key : {"target", "impactor"})
+    if ((key[0] == 't' ? i.target : i.impactor).empty())
+      schema.fail("impact", key, "must be given: an impact is of two bodies");
+  for (const char* key : {"mass", "radius", "surface_pressure", "surface_temperature", "temperature_law",
+                          "temperature_exponent", "spin_period", "expansion", "particles"})
+    if (schema.changed("planet", key)) schema.fail("planet", key, "follows from the bodies of &impact: leave it out");
+  for (std::size_t n = 0; n < o.materials.size(); ++n)
+    if (element_of(o.layer.fraction, n))
+      schema.fail_at(group, "fraction", n, "follows from the bodies of &impact: leave it out");
+  auto& start = o.gas.common.start;
+  if (!start.file.empty()) schema.fail("initial", "file", "the start is that of &impact: give one of them");
+  if (!schema.given("initial", "settle")) start.settle = 0.0;
+  if (start.settles()) schema.fail("initial", "settle", "bodies that meet move; let each settle in a run of its own");
+  const auto number = static_cast<std::int32_t>(o.materials.size());
+  const auto place = [&](const char* key) { return schema.where("impact", key) + ": &impact " + key + ": "; };
+  auto target = read_body(i.target, place("target"), number),
+       impactor = read_body(i.impactor, place("impactor"), number);
+  if (i.target_radius) target.radius = *i.target_radius;
+  if (i.impactor_radius) impactor.radius = *i.impactor_radius;
+  const auto e = schema.placed("impact", "time_before_contact", [&] { return before_contact(i, target, impactor); });
+  for (std::size_t n = 0; n < o.materials.size(); ++n) {
+    const auto is_of_it = [&](const gas::placed& p) { return p.now.material == o.material_of(n); };
+    if (std::ranges::none_of(target.particles, is_of_it) && std::ranges::none_of(impactor.particles, is_of_it))
+      schema.fail_at(group, "eos", n, fmt::format("no particle of the two bodies is of layer '{}'", o.names[n]));
+  }
+  o.impact_of.emplace(std::move(target), std::move(impactor), e);
 }
 
 }  // namespace
@@ -161,9 +256,20 @@ void declare(namelist::schema& schema, options& o) {
                          "density^temperature_exponent in each layer; continuous where layers meet"});
   schema.add("planet", "temperature_exponent", o.temperature_exponent,
              between(-10.0, 10.0, "temperature_law = 'power': exponent of the density"));
+  schema.add("planet", "spin_period", o.spin_period,
+             positive("s", "of a rotation about the z axis, in which the start settles; not given: none"));
+  schema.add(
+      "planet", "expansion", o.expansion,
+      for_expert({.unit = "1/s", .meaning = "radial velocity over radius that the settled planet is given: it rings"}));
   schema.add("planet", "particles", o.particles, between(100, 1e9, "of equal mass, about so many"));
   schema.add("planet", "scheme", o.scheme,
-             {.choices = {"ssph", "disph"}, .meaning = "standard, or density-independent with the volume as weight"});
+             {.choices = {"ssph", "disph", "remix"},
+              .meaning = "standard; density-independent with the volume as weight; or kernels that reproduce linear "
+                         "fields, with a density that follows from continuity"});
+  schema.add("planet", "softening", o.gas.softening,
+             for_expert(namelist::up_to(10.0,
+                                        "self-gravity: radius beyond which a particle's field is that of a point, "
+                                        "over its kernel's support at the start")));
   schema.add("planet", "opening", o.opening,
              for_expert(namelist::up_to(0.99, "self-gravity: largest opening angle of the tree")));
   schema.add("planet", "tolerance", o.tolerance,
@@ -172,6 +278,7 @@ void declare(namelist::schema& schema, options& o) {
                          .exclusive_minimum = true,
                          .meaning = "self-gravity: error of multipoles, of a lower bound of the field"}));
   declare_layers(schema, o.layer);
+  declare_impact(schema, o.impact);
   schema.group("domain", "who has which particles");
   schema.add(
       "domain", "ranks_x", o.gas.domain.ranks_x.number,
@@ -191,9 +298,14 @@ void resolve(const namelist::schema& schema, options& o) {
   auto& g = o.gas;
   if (!g.common.time.cfl) g.common.time.cfl = g.common.time.method == "euler" ? 0.1 : 0.4;
   run::resolve(schema, g.common);
-  if (!o.mass) schema.fail("planet", "mass", "must be given");
   resolve_layers(schema, o);
-  resolve_structure(schema, o);
+  if (o.impact.is_asked_for()) {
+    resolve_impact(schema, o);
+  } else {
+    if (!o.mass) schema.fail("planet", "mass", "must be given, or the two bodies of &impact");
+    resolve_structure(schema, o);
+    check_rotation(schema, o);
+  }
   fill_engine(o);
   g.domain.ranks_x.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
   if (!g.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
@@ -203,6 +315,17 @@ void resolve(const namelist::schema& schema, options& o) {
 }
 
 std::string summary(const options& o) {
+  if (o.impact_of) {
+    const auto& [target, impactor, start] = *o.impact_of;
+    const auto text = [](const body& b) {
+      return fmt::format("{} particles, {:.6g} kg, radius {:.6g} m", b.particles.size(), b.mass, b.radius);
+    };
+    return fmt::format(
+        "target: {}\nimpactor: {}\nimpact: {:.6g} m/s at contact, mutual escape velocity {:.6g} m/s; at the "
+        "start {:.6g} m apart\n",
+        text(target), text(impactor), start.contact_speed, start.escape_velocity,
+        std::hypot(start.place[0], start.place[1]));
+  }
   const profile& p = *o.structure;
   const auto core = p.layers().size() < 2 ? std::string()
                                           : fmt::format("; {} to {:.6g} m, {:.6g} of the mass", o.names[0],

@@ -1,10 +1,12 @@
 // The input of a planet under its own gravity:
-//   &planet   mass, radius or fractions, surface, temperature, particles, scheme
-//   &layer    a material, from the centre outwards; stands once or twice
+//   &planet   mass, radius or fractions, surface, temperature, spin, particles, scheme
+//   &layer    a material, from the centre outwards; stands once for each
+//   &impact   two settled bodies that meet, in place of a planet
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
 #include <gas/setups.hpp>
+#include <planet/impact.hpp>
 #include <planet/profile.hpp>
 
 namespace tetsuame::planet {
@@ -23,19 +25,36 @@ struct options {
   double surface_pressure = 1e5, surface_temperature = 300.0;  // Pa, K
   std::string temperature_law = "adiabatic";
   double temperature_exponent = 0.0;
+  std::optional<double> spin_period;      // s
+  double expansion = 0.0;                 // 1/s
   double opening = 0.0, tolerance = 0.0;  // of the tree
   layer_options layer;
+  impact_options impact;
 
   std::vector<std::string> names;  // of the layers, once resolved
   std::vector<eos::material_options> materials;
-  std::optional<profile> structure;
+  std::optional<profile> structure;  // none: an impact
+  struct bodies {
+    body target, impactor;
+    encounter start;
+  };
+  std::optional<bodies> impact_of;
   gas::options gas;  // what the engine takes
+
+  std::int64_t number_of_particles() const {
+    return impact_of
+               ? static_cast<std::int64_t>(impact_of->target.particles.size() + impact_of->impactor.particles.size())
+               : particles;
+  }
+  // The number of the material of a layer, from 0 in the centre: 0 of the outermost.
+  std::int32_t material_of(std::size_t which) const { return static_cast<std::int32_t>(materials.size() - 1 - which); }
 };
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);
 // Particles, their states, and what is measured of them.
 gas::setup start_of(const options& o);
+gas::setup impact_start(const options& o);
 // A line for the log: radius, centre, core.
 std::string summary(const options& o);
 // Of the profile, for --profile: JSON, SI units, with arrays of r, density, pressure, temperature and mass_inside from

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/tools/toms748_solve.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/generation/generation_runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <cmath>
 #include <eos/caloric.hpp>
@@ -17,7 +20,8 @@ namespace tetsuame::planet {
 namespace {
 
 constexpr double pi = std::numbers::pi, G = gravitational_constant;
-constexpr int steps_per_layer = 400;
+constexpr int levels_per_layer = 400;        // at least
+constexpr double integration_error = 1e-10;  // of a step, relative
 
 // The state is integrated by s = m^(1/3), since r ∝ s at the centre:
 //   dr/ds = 3 s²/(4 π r² ρ),  dln ρ/ds = -3 G s⁵/(4 π r⁴)/(ρ dp/dρ)
@@ -81,13 +85,42 @@ struct outcome {
   std::vector<profile::layer_levels> layers;  // from the outside to the inside
 };
 
+// Inwards from s = begin to end by steps no longer than a level, shorter where the error asks for it (as in the thin
+// outside of a gas); note(s) after each. Returns end, or the s at which r comes to 0 or an equation of state ends.
+template <class Note>
+double advance(const path& slopes, unknowns& y, double begin, double end, const Note& note) {
+  namespace odeint = boost::numeric::odeint;
+  auto stepper = odeint::make_controlled(integration_error, integration_error, odeint::runge_kutta_dopri5<unknowns>());
+  const double level = (end - begin) / (levels_per_layer - 1);
+  double s = begin, step = level;
+  // Beyond the reach of an equation of state steps become ever shorter.
+  for (int tries = 0; s != end && tries < 10 * levels_per_layer; ++tries) {
+    step = std::max(step, level);  // both are below 0
+    const bool is_last = s + step <= end;
+    if (is_last) step = end - s;
+    const double from = s, tried = step;
+    const unknowns before = y;
+    bool done = stepper.try_step(std::cref(slopes), y, s, step) == odeint::success;
+    if (done && !(y[0] > 0.0 && std::isfinite(y[1]))) {  // errors that are no numbers count as small
+      y = before, s = from, step = 0.2 * tried;
+      stepper.reset();
+      done = false;
+    }
+    if (!done && !(std::abs(step) > 1e-12 * begin)) return from;
+    if (!done) continue;
+    if (is_last) s = end;
+    note(s);
+  }
+  return s;
+}
+
 outcome integrate(const structure_input& in, const std::vector<path>& paths, double radius, bool keep) {
   outcome all{0.0, {}};
   double m = in.mass, p = in.surface_pressure, T = in.surface_temperature, r = radius;
   for (std::size_t n = in.layers.size(); n-- > 0;) {
     const layer& now = in.layers[n];
     const double inner = n == 0 ? 0.0 : std::max(m - now.fraction * in.mass, 0.0);
-    const double begin = std::cbrt(m), step = (std::cbrt(inner) - begin) / steps_per_layer;
+    const double begin = std::cbrt(m);
     const path& slopes = paths[n];
     unknowns y;
     try {
@@ -98,21 +131,18 @@ outcome integrate(const structure_input& in, const std::vector<path>& paths, dou
       all.left_over = -1.0 - std::cbrt(m / in.mass);
       return all;
     }
-    boost::numeric::odeint::runge_kutta_dopri5<unknowns> stepper;
     if (keep) all.layers.push_back({{slopes.at(begin, y)}});
-    const int steps = n == 0 ? steps_per_layer - 1 : steps_per_layer;
-    for (int k = 0; k < steps; ++k) {
-      const double s = begin + k * step, next = k + 1 == steps_per_layer ? std::cbrt(inner) : s + step;
-      stepper.do_step(std::cref(slopes), y, s, next - s);
-      if (!(y[0] > 0.0 && std::isfinite(y[1]))) {  // no room for the mass that is left
-        all.left_over = -1.0 - s / std::cbrt(in.mass);
-        return all;
-      }
-      if (keep) all.layers.back().levels.push_back(slopes.at(next, y));
+    const auto note = [&](double s) {
+      if (keep) all.layers.back().levels.push_back(slopes.at(s, y));
+    };
+    const double last = n == 0 ? begin / levels_per_layer : std::cbrt(inner);
+    const double reached = advance(slopes, y, begin, last, note);
+    if (reached != last) {  // no room for the mass that is left
+      all.left_over = -1.0 - reached / std::cbrt(in.mass);
+      return all;
     }
     if (n == 0) {
-      const double s = begin + steps * step;
-      all.left_over = (y[0] - s * std::cbrt(3.0 / (4.0 * pi * std::exp(y[1])))) / radius;
+      all.left_over = (y[0] - last * std::cbrt(3.0 / (4.0 * pi * std::exp(y[1])))) / radius;
       if (keep) all.layers.back().levels.push_back(slopes.at(0.0, slopes.centre(y)));
       return all;
     }

@@ -68,6 +68,22 @@ errors errors_of(const view& w, const profile& planet, double h_over_dx, const p
   return {mean(density, M), mean(pressure, M), mean(near, N)};
 }
 
+// Mean by mass of (x_a - centre_a)², m².
+point spread_of(const view& w) {
+  const point centre = motion_of(w).centre;
+  foundation::exact_sum mass;
+  std::array<foundation::exact_sum, 3> square;
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const point x = w.place(i);
+    mass.add(w.m[i]);
+    for (std::size_t a = 0; a < 3; ++a) square[a].add(w.m[i] * (x[a] - centre[a]) * (x[a] - centre[a]));
+  }
+  const double M = w.ranks.exact(mass);
+  point all{};
+  for (std::size_t a = 0; a < 3; ++a) all[a] = w.ranks.exact(square[a]) / M;
+  return all;
+}
+
 double mass_of(const view& w, std::int32_t material) {
   foundation::exact_sum mass;
   for (std::size_t i = 0; i < w.n; ++i)
@@ -82,19 +98,24 @@ gas::setup start_of(const options& o) {
   const double R = planet->radius(), M = planet->mass();
   const point centre{R, R, R};
   gas::setup t;
-  t.material_l = 1;  // the core
-  for (const auto& p : on_shells(*planet, o.names, o.particles))
-    t.particles.push_back({{centre[0] + p.x[0], centre[1] + p.x[1], centre[2] + p.x[2]}, p.mass});
+  const double spin = o.spin_period ? 2.0 * std::numbers::pi / *o.spin_period : 0.0;
+  t.turns = {spin, o.expansion, centre};
+  for (const auto& p : on_shells(*planet, o.names, o.particles)) {
+    const point x{centre[0] + p.x[0], centre[1] + p.x[1], centre[2] + p.x[2]};
+    const level here = planet->at(gas::distance(x, centre), p.layer);
+    gas::state now{here.rho, here.p, {}, o.material_of(p.layer), here.T};
+    for (std::size_t a = 0; a < 3 && !o.gas.common.start.settles(); ++a) now.v[a] = t.turns.velocity(a, x);
+    t.particles.push_back({x, p.mass, now});
+  }
+  const std::int32_t core = o.material_of(0);
   const bool layered = planet->layers().size() > 1;
-  t.start = [=](const point& x) {
-    const double r = gas::distance(x, centre);
-    const std::size_t n = planet->layer_at(r);
-    const level here = planet->at(r, n);
-    return gas::state{here.rho, here.p, {}, layered && n == 0 ? 1 : 0, here.T};
-  };
   const double escape = std::sqrt(2.0 * gravitational_constant * M / R);  // m/s
   t.scales = {M * escape, M * R * escape};
-  t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(motion_of(w).speed2); }}};
+  t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(motion_of(w).speed2); }},
+              {"radius_rms", "m", [](const view& w) {
+                 const auto square = spread_of(w);
+                 return std::sqrt(square[0] + square[1] + square[2]);
+               }}};
   const double h_over_dx = o.gas.common.kernel.h_over_dx;
   t.known = {{"planet_radius", R}, {"central_pressure", planet->centre().p}, {"central_density", planet->centre().rho}};
   t.measures = [=](const view& w, const gas::samples&) {
@@ -104,7 +125,59 @@ gas::setup start_of(const options& o) {
                       {"profile_pressure_error", e.pressure},
                       {"profile_density_error_at_interfaces", e.density_at_interfaces},
                       {"v_rms_over_v_escape", std::sqrt(now.speed2) / escape}};
-    if (layered) told.emplace_back("core_mass", mass_of(w, 1));
+    if (layered) told.emplace_back("core_mass", mass_of(w, core));
+    if (spin != 0.0) {
+      const auto square = spread_of(w);
+      told.emplace_back("axis_ratio", std::sqrt(2.0 * square[2] / (square[0] + square[1])));
+    }
+    return told;
+  };
+  return t;
+}
+
+gas::setup impact_start(const options& o) {
+  const auto bodies = std::make_shared<const options::bodies>(*o.impact_of);
+  const auto& [target, impactor, start] = *bodies;
+  point centre{};
+  for (std::size_t a = 0; a < 3; ++a) centre[a] = 0.5 * o.gas.domain.length[a];
+  gas::setup t;
+  t.particles = meet(target, impactor, start, centre);
+  const double M = target.mass + impactor.mass, R = target.radius + impactor.radius;
+  t.scales = {M * start.escape_velocity, target.mass * impactor.mass / M * R * start.contact_speed};
+  t.known = {{"mutual_escape_velocity", start.escape_velocity},
+             {"contact_speed", start.contact_speed},
+             {"target_radius", target.radius},
+             {"impactor_radius", impactor.radius}};
+  const auto of_target = static_cast<std::int64_t>(target.particles.size());
+  t.traces = {{"separation", "m", [of_target](const view& w) {
+                 const auto centre_of = [&](bool is_target) {
+                   foundation::exact_sum mass;
+                   std::array<foundation::exact_sum, 3> first;
+                   for (std::size_t i = 0; i < w.n; ++i) {
+                     if ((w.id[i] < of_target) != is_target) continue;
+                     mass.add(w.m[i]);
+                     for (std::size_t a = 0; a < 3; ++a) first[a].add(w.m[i] * w.x[a][i]);
+                   }
+                   const double all = w.ranks.exact(mass);
+                   point place{};
+                   for (std::size_t a = 0; a < 3; ++a) place[a] = w.ranks.exact(first[a]) / all;
+                   return place;
+                 };
+                 return gas::distance(centre_of(true), centre_of(false));
+               }}};
+  const std::int32_t metal = o.material_of(0);
+  t.measures = [bodies, metal](const view& w, const gas::samples&) {
+    const remnants left = find_remnants(w, bodies->target, metal);
+    gas::numbers told{{"planet_radius", left.planet_radius}};
+    const auto add = [&](const std::string& name, const remnants::part& part) {
+      told.emplace_back(name + "_mass", part.mass);
+      told.emplace_back(name + "_metal_mass", part.metal);
+      told.emplace_back(name + "_impactor_mass", part.of_impactor);
+      told.emplace_back(name + "_angular_momentum", part.angular_momentum);
+    };
+    add("planet", left.planet);
+    add("disk", left.disk);
+    add("escaping", left.escaping);
     return told;
   };
   return t;

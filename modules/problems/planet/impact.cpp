@@ -1,0 +1,227 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/generation/generation_runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <foundation/exact_sum.hpp>
+#include <gas/setup_parts.hpp>
+#include <numbers>
+#include <planet/impact.hpp>
+#include <planet/profile.hpp>
+#include <run/start_file.hpp>
+
+namespace tetsuame::planet {
+
+namespace {
+
+using gas::point, gas::view;
+constexpr double pi = std::numbers::pi, G = gravitational_constant;
+
+double dot(const point& a, const point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double size(const point& a) { return std::sqrt(dot(a, a)); }
+point minus(const point& a, const point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+point cross(const point& a, const point& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// The snapshot's own box: bodies in open space may come from boxes of any size.
+run::start_box box_of(const std::string& path, const std::string& place) {
+  run::start_box b;
+  b.dimension = 3;
+  b.open = {{{true, true}, {true, true}, {true, true}}};
+  const output::snapshot_file file(path, place);
+  const auto box = file.of_box();
+  const auto& lengths = box.lengths ? box.lengths : box.size;
+  if (!lengths || lengths->empty())
+    file.fail(": Header has neither BoxSize nor BoxLengths, so that its box is not known");
+  for (std::size_t a = 0; a < 3; ++a) b.length[a] = lengths->size() == 3 ? (*lengths)[a] : lengths->front();
+  b.dx = b.length[0] / std::cbrt(static_cast<double>(std::max<std::size_t>(1, file.particles())));
+  return b;
+}
+
+double outer_radius(const std::vector<gas::placed>& all) {
+  std::vector<std::pair<double, double>> distances;  // m, with the spacing there
+  for (const auto& p : all) distances.emplace_back(size(p.x), std::cbrt(p.mass / p.now.rho));
+  std::ranges::sort(distances, std::greater{});
+  const std::size_t outermost = std::min(all.size(), std::max<std::size_t>(10, all.size() / 100));
+  double r = 0.0, spacing = 0.0;
+  for (std::size_t k = 0; k < outermost; ++k) r += distances[k].first, spacing += distances[k].second;
+  return (r + 0.5 * spacing) / static_cast<double>(outermost);
+}
+
+}  // namespace
+
+body read_body(const std::string& path, const std::string& place, std::int32_t materials) {
+  run::start_options from;
+  from.file = path;
+  from.place = place;
+  const run::start_file file(from, box_of(path, place),
+                             {"Coordinates", "Velocities", "Density", "Masses", "InternalEnergy"});
+  if (!file.is_of_this_program())
+    file.fail(" is not of this program: its InternalEnergy begins at another zero; let `planet` settle it first");
+  const auto x = file.places(), v = file.velocities(), rho = file.densities(), m = file.masses(), u = file.energies();
+  const auto material = file.materials(materials);
+  body b{{}, 0.0, 0.0};
+  point centre{}, motion{};
+  for (std::size_t n = 0; n < m.size(); ++n) {
+    b.mass += m[n];
+    for (std::size_t a = 0; a < 3; ++a) centre[a] += m[n] * x[3 * n + a], motion[a] += m[n] * v[3 * n + a];
+  }
+  for (std::size_t n = 0; n < m.size(); ++n) {
+    gas::placed p{{}, m[n], {rho[n], 0.0, {}, material[n], {}, u[n]}};
+    for (std::size_t a = 0; a < 3; ++a) {
+      p.x[a] = x[3 * n + a] - centre[a] / b.mass;
+      p.now.v[a] = v[3 * n + a] - motion[a] / b.mass;
+    }
+    b.particles.push_back(p);
+  }
+  b.radius = outer_radius(b.particles);
+  return b;
+}
+
+encounter before_contact(const impact_options& o, const body& target, const body& impactor) {
+  const double R = target.radius + impactor.radius, GM = G * (target.mass + impactor.mass);
+  encounter e{{}, {}, std::sqrt(2.0 * GM / R), 0.0};
+  e.contact_speed = o.speed * e.escape_velocity;
+  const double along = std::sqrt(std::max(0.0, 1.0 - o.impact_parameter * o.impact_parameter));
+  using orbit = std::array<double, 6>;
+  orbit y{R * along, R * o.impact_parameter, 0.0, -e.contact_speed, 0.0, 0.0};
+  const auto kepler = [GM](const orbit& at, orbit& rate, double) {
+    const double r = std::sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      rate[a] = at[a + 3];
+      rate[a + 3] = -GM * at[a] / (r * r * r);
+    }
+  };
+  if (o.time_before_contact > 0.0) {
+    namespace odeint = boost::numeric::odeint;
+    odeint::integrate_adaptive(odeint::make_controlled(1e-6, 1e-11, odeint::runge_kutta_dopri5<orbit>()), kepler, y,
+                               0.0, -o.time_before_contact,
+                               -std::min(o.time_before_contact, 0.01 * R / e.contact_speed));
+  }
+  std::copy_n(y.begin(), 3, e.place.begin());
+  std::copy_n(y.begin() + 3, 3, e.velocity.begin());
+  if (size(e.place) < R * (1.0 - 1e-6))
+    foundation::fail_input(fmt::format(
+        "the bodies overlap at the start: {:.6g} s before contact their centres are {:.6g} m apart, and their "
+        "radii add up to {:.6g} m",
+        o.time_before_contact, size(e.place), R));
+  return e;
+}
+
+std::vector<gas::placed> meet(const body& target, const body& impactor, const encounter& e, const point& centre) {
+  std::vector<gas::placed> all;
+  const double M = target.mass + impactor.mass;
+  const auto add = [&](const body& b, double share) {
+    for (gas::placed p : b.particles) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        p.x[a] += centre[a] + share * e.place[a];
+        p.now.v[a] += share * e.velocity[a];
+      }
+      all.push_back(p);
+    }
+  };
+  add(target, -impactor.mass / M);
+  add(impactor, target.mass / M);
+  return all;
+}
+
+namespace {
+
+// Sums of mass, first moment and momentum over particles of all ranks.
+struct group {
+  const view& w;
+  foundation::exact_sum mass;
+  std::array<foundation::exact_sum, 3> place, velocity;
+  void add(std::size_t i) {
+    mass.add(w.m[i]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      place[a].add(w.m[i] * w.x[a][i]);
+      velocity[a].add(w.m[i] * w.v[a][i]);
+    }
+  }
+};
+struct centre_of {
+  double mass = 0.0;
+  point place{}, velocity{};
+  explicit centre_of(const group& g) : mass(g.w.ranks.exact(g.mass)) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      place[a] = g.w.ranks.exact(g.place[a]) / mass;
+      velocity[a] = g.w.ranks.exact(g.velocity[a]) / mass;
+    }
+  }
+};
+
+enum class fate { planet, disk, escapes };
+
+struct judge {
+  const view& w;
+  centre_of planet;
+  double radius;
+
+  fate of(std::size_t i) const {
+    const point r = minus(w.place(i), planet.place), v = minus(w.velocity(i), planet.velocity);
+    const double distance = size(r), GM = G * planet.mass;
+    if (distance <= radius) return fate::planet;
+    if (0.5 * dot(v, v) >= GM / distance) return fate::escapes;
+    const point h = cross(r, v);
+    return dot(h, h) > GM * radius ? fate::disk : fate::planet;
+  }
+};
+
+}  // namespace
+
+remnants find_remnants(const view& w, const body& target, std::int32_t metal) {
+  const double density = target.mass / (4.0 / 3.0 * pi * std::pow(target.radius, 3));
+  const auto radius_of = [&](double mass) { return std::cbrt(3.0 * mass / (4.0 * pi * density)); };
+  const auto centre_of_those = [&](const auto& which) {
+    group g{w, {}, {}, {}};
+    for (std::size_t i = 0; i < w.n; ++i)
+      if (which(i)) g.add(i);
+    return centre_of(g);
+  };
+  double densest = 0.0;
+  for (std::size_t i = 0; i < w.n; ++i) densest = std::max(densest, w.rho[i]);
+  densest = w.ranks.maximum(densest);
+  centre_of now = centre_of_those([&](std::size_t i) { return w.rho[i] == densest; });
+  for (int k = 0; k < 5; ++k) {
+    const point at = now.place;
+    now = centre_of_those([&](std::size_t i) { return gas::distance(w.place(i), at) <= target.radius; });
+  }
+  judge by{w, now, radius_of(now.mass)};
+  for (int k = 0; k < 100; ++k) {
+    const centre_of next = centre_of_those([&](std::size_t i) { return by.of(i) == fate::planet; });
+    const bool stays = std::abs(next.mass / by.planet.mass - 1.0) < 1e-6;
+    by.planet = next;
+    by.radius = radius_of(next.mass);
+    if (stays) break;
+  }
+  remnants left;
+  left.planet_radius = by.radius;
+  const auto fill = [&](remnants::part& part, fate which) {
+    foundation::exact_sum mass, of_metal, of_impactor;
+    std::array<foundation::exact_sum, 3> h;
+    for (std::size_t i = 0; i < w.n; ++i) {
+      if (by.of(i) != which) continue;
+      mass.add(w.m[i]);
+      if (w.material[i] == metal) of_metal.add(w.m[i]);
+      if (w.id[i] >= static_cast<std::int64_t>(target.particles.size())) of_impactor.add(w.m[i]);
+      const point turn = cross(minus(w.place(i), by.planet.place), minus(w.velocity(i), by.planet.velocity));
+      for (std::size_t a = 0; a < 3; ++a) h[a].add(w.m[i] * turn[a]);
+    }
+    point all{};
+    for (std::size_t a = 0; a < 3; ++a) all[a] = w.ranks.exact(h[a]);
+    part = {w.ranks.exact(mass), w.ranks.exact(of_metal), w.ranks.exact(of_impactor), size(all)};
+  };
+  fill(left.planet, fate::planet);
+  fill(left.disk, fate::disk);
+  fill(left.escaping, fate::escapes);
+  return left;
+}
+
+}  // namespace tetsuame::planet
