@@ -123,6 +123,21 @@ class Planet(Case):
         self.assertLess(m["angular_momentum_drift"], 1e-5)
         self.assertAlmostEqual(float(rows[0][at]) / (mass * (d[:, 0]**2 + d[:, 1]**2)).sum() / (2.0 * math.pi / period), 1.0, delta=0.02)
 
+    def test_metal_sinks(self):
+        """A layer of iron over rock of less density changes places with it. What gravity releases is heat and motion, and the forces of friction are central."""
+        result = self.run_program("planet", "planet_metal", {"planet.particles": 500, "time.t_end": 4000, "output.interval": 0})
+        m = result.summary["metrics"]
+        header, rows = result.rows()
+        names = [name.split(" ")[0] for name in header]
+        first, last = (dict(zip(names, map(float, row))) for row in (rows[0], rows[-1]))
+        self.assertLess(last["radius_metal"], 0.8 * first["radius_metal"])
+        self.assertGreater(last["radius_interior"], 1.2 * first["radius_interior"])
+        released = -m["gravitational_energy_change"]
+        self.assertGreater(released, 0.0)
+        self.assertAlmostEqual((m["internal_energy_change"] + m["kinetic_energy_change"]) / released, 1.0, delta=0.02)
+        self.assertLess(m["angular_momentum_drift"], 1e-5)
+        self.assertLess(m["momentum_drift"], 1e-6)
+
     def bodies(self):
         """Two settled bodies, small and unlike; the larger turns."""
         snapshots = {}

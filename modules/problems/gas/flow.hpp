@@ -310,6 +310,11 @@ class flow : public run::particle_simulation<D> {
     };
     metrics["energy_drift"] = metrics["energy_residual"];
     metrics["momentum_drift"] = change(now.momentum, first_->momentum) / g_.test.scales->momentum;
+    if (g_.o.self_gravity) {
+      metrics["gravitational_energy_change"] = now.potential - first_->potential;
+      metrics["internal_energy_change"] = now.internal - first_->internal;
+      metrics["kinetic_energy_change"] = now.kinetic - first_->kinetic;
+    }
     metrics["angular_momentum_drift"] =
         change(now.angular_momentum, first_->angular_momentum) / g_.test.scales->angular_momentum;
   }

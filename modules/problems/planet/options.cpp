@@ -130,6 +130,8 @@ void fill_engine(options& o) {
   s.scheme = o.scheme;
   s.weight = "volume";
   s.tension = false;
+  s.molecular.viscosity = o.viscosity;
+  s.molecular.bulk_viscosity = 5.0 / 3.0 * o.viscosity;
   g.materials.resize(o.materials.size());
   for (std::size_t n = 0; n < o.materials.size(); ++n) {
     auto& side = g.materials[static_cast<std::size_t>(o.material_of(n))];
@@ -284,11 +286,16 @@ void declare(namelist::schema& schema, options& o) {
       "domain", "ranks_x", o.gas.domain.ranks_x.number,
       namelist::changing(between(
           0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the planet's shape suggests")));
+  schema.add(
+      "planet", "viscosity", o.viscosity,
+      {.unit = "Pa s",
+       .minimum = 0.0,
+       .meaning = "mu of all layers, beside the artificial viscosity; the bulk viscosity is 5/3 of it, with which "
+                  "the forces of pairs are central and angular momentum is conserved"});
   schema.add("planet", "alpha", o.gas.shock.alpha, between(0.0, 10.0, "of the artificial viscosity"));
   run::declare(schema, common,
                {.kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,
-                .limits_diffusion = false,
                 .starts_from_file = true,
                 .settles = true,
                 .reads = "places, velocities, densities, masses, materials and internal energies"});

@@ -27,6 +27,7 @@ struct options {
   double temperature_exponent = 0.0;
   std::optional<double> spin_period;      // s
   double expansion = 0.0;                 // 1/s
+  double viscosity = 0.0;                 // Pa s
   double opening = 0.0, tolerance = 0.0;  // of the tree
   layer_options layer;
   impact_options impact;

@@ -84,6 +84,18 @@ point spread_of(const view& w) {
   return all;
 }
 
+// Mean distance from the planet's centre of mass, by mass, m.
+double mean_radius(const view& w, std::int32_t material) {
+  const point centre = motion_of(w).centre;
+  foundation::exact_sum mass, first;
+  for (std::size_t i = 0; i < w.n; ++i) {
+    if (w.material[i] != material) continue;
+    mass.add(w.m[i]);
+    first.add(w.m[i] * gas::distance(w.place(i), centre));
+  }
+  return w.ranks.exact(first) / w.ranks.exact(mass);
+}
+
 double mass_of(const view& w, std::int32_t material) {
   foundation::exact_sum mass;
   for (std::size_t i = 0; i < w.n; ++i)
@@ -116,6 +128,10 @@ gas::setup start_of(const options& o) {
                  const auto square = spread_of(w);
                  return std::sqrt(square[0] + square[1] + square[2]);
                }}};
+  if (layered)
+    for (std::size_t n = 0; n < o.names.size(); ++n)
+      t.traces.push_back({"radius_" + o.names[n], "m",
+                          [material = o.material_of(n)](const view& w) { return mean_radius(w, material); }});
   const double h_over_dx = o.gas.common.kernel.h_over_dx;
   t.known = {{"planet_radius", R}, {"central_pressure", planet->centre().p}, {"central_density", planet->centre().rho}};
   t.measures = [=](const view& w, const gas::samples&) {
