@@ -77,6 +77,21 @@ BOOST_AUTO_TEST_CASE(incompressible_ball) {
   BOOST_TEST(p.at(0.5 * R, 0).p == 0.75 * p0 + 1e5, boost::test_tools::tolerance(1e-4));
 }
 
+// Compressed by 0.1 to 4 % in the centre. Squeezed further such a line has a second branch, of planets
+// that collapse, whose centre is not reached.
+BOOST_AUTO_TEST_CASE(nearly_incompressible_balls) {
+  const double rho = 3000.0, R = 1e6, M = 4.0 * pi / 3.0 * rho * R * R * R, p0 = 2.0 * pi / 3.0 * G * rho * rho * R * R;
+  for (const double K : {1e11, 3e10, 1e12}) {
+    const profile p =
+        planet::structure_of_mass({{{"body", linear(K, rho), 1.0}}, M, 1e5, 300.0, temperature_law::isothermal});
+    // ρ = ρ0 (1 + p/K), p = p0 (1 - r²/R²) to the first order: the mean of it over the ball is 2/5 p0
+    BOOST_TEST(p.radius() == R * (1.0 - 2.0 / 15.0 * p0 / K),
+               boost::test_tools::tolerance(2.0 * p0 * p0 / K / K + 1e-5));
+    BOOST_TEST(p.centre().p > p0);
+    BOOST_TEST(p.centre().p == p0, boost::test_tools::tolerance(3.0 * p0 / K));
+  }
+}
+
 // Hydrostatic equilibrium and the mass of shells between levels, to the second order of their distance.
 BOOST_AUTO_TEST_CASE(equilibrium_between_levels) {
   const profile p = planet::structure_of_radius(earth(), 6.371e6);

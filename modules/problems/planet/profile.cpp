@@ -87,8 +87,13 @@ struct outcome {
 
 // Inwards from s = begin to end by steps no longer than a level, shorter where the error asks for it (as in the thin
 // outside of a gas); note(s) after each. Returns end, or the s at which r comes to 0 or an equation of state ends.
+// Within r = smallest the mass that is left may be far denser than its surroundings: then it has no room either,
+// however much these can be compressed.
 template <class Note>
-double advance(const path& slopes, unknowns& y, double begin, double end, const Note& note) {
+double advance(const path& slopes, unknowns& y, double begin, double end, double smallest, const Note& note) {
+  const auto is_point = [](const unknowns& at, double s) {
+    return s * s * s > 100.0 * (4.0 / 3.0) * pi * at[0] * at[0] * at[0] * std::exp(at[1]);
+  };
   namespace odeint = boost::numeric::odeint;
   auto stepper = odeint::make_controlled(integration_error, integration_error, odeint::runge_kutta_dopri5<unknowns>());
   const double level = (end - begin) / (levels_per_layer - 1);
@@ -101,6 +106,7 @@ double advance(const path& slopes, unknowns& y, double begin, double end, const 
     const double from = s, tried = step;
     const unknowns before = y;
     bool done = stepper.try_step(std::cref(slopes), y, s, step) == odeint::success;
+    if (done && y[0] > 0.0 && y[0] < smallest && is_point(y, s)) return s;
     if (done && !(y[0] > 0.0 && std::isfinite(y[1]))) {  // errors that are no numbers count as small
       y = before, s = from, step = 0.2 * tried;
       stepper.reset();
@@ -136,7 +142,7 @@ outcome integrate(const structure_input& in, const std::vector<path>& paths, dou
       if (keep) all.layers.back().levels.push_back(slopes.at(s, y));
     };
     const double last = n == 0 ? begin / levels_per_layer : std::cbrt(inner);
-    const double reached = advance(slopes, y, begin, last, note);
+    const double reached = advance(slopes, y, begin, last, n == 0 ? 0.1 * radius : 0.0, note);
     if (reached != last) {  // no room for the mass that is left
       all.left_over = -1.0 - reached / std::cbrt(in.mass);
       return all;
@@ -204,11 +210,16 @@ double radius_of_density(double mass, double rho) { return std::cbrt(3.0 * mass 
 profile structure_of_mass(const structure_input& in) {
   const auto paths = paths_of(in);
   const auto left_over = [&](double radius) { return integrate(in, paths, radius, false).left_over; };
-  const auto ends = bracket_root(left_over, radius_of_density(in.mass, 1e6), radius_of_density(in.mass, 1.0));
+  const double smallest = radius_of_density(in.mass, 1e6), largest = radius_of_density(in.mass, 1.0);
+  // Of two radii the larger one: on the other branch, which an equation of state has that can be compressed at will, a
+  // planet that is squeezed collapses.
+  double low = largest;
+  while (low > smallest && left_over(low) >= 0.0) low *= 0.95;
+  const auto ends = bracket_root(left_over, low, std::min(largest, low / 0.95));
   if (!ends)
     foundation::fail_input(
         fmt::format("no planet of {:.6g} kg with these layers has a radius between {:.6g} and {:.6g} m", in.mass,
-                    radius_of_density(in.mass, 1e6), radius_of_density(in.mass, 1.0)));
+                    smallest, largest));
   return complete(in, paths, end_at_centre(left_over, *ends));
 }
 
