@@ -17,9 +17,9 @@ class Planet(Case):
     def summary(self, settings=None, **how):
         return self.run_program("planet", "planet_earth", {**SMALL, **(settings or {})}, **how).summary
 
-    def profile(self, settings=None):
+    def profile(self, name="planet_earth"):
         file = self.here / f"profile_{len(list(self.here.iterdir()))}.json"
-        self.run_program("planet", "planet_earth", settings, options=["--profile", file])
+        self.run_program("planet", name, options=["--profile", file])
         return json.loads(file.read_text())
 
     def test_profile(self):
@@ -58,24 +58,16 @@ class Planet(Case):
         path.write_text(text)
         return path
 
-    def polytrope(self, index_2_gamma, K, surface_density, more=""):
-        """A gas on its adiabat p = K rho^gamma."""
-        gamma, c_V = index_2_gamma, 1000.0
-        pressure = K * surface_density**gamma
-        return f"""&planet mass=6e24 surface_pressure={pressure!r} surface_temperature={pressure / (surface_density * (gamma - 1.0) * c_V)!r}
-  temperature_law='adiabatic' particles=600 {more} /
-&layer eos='stiffened_gas' gamma={gamma} p_infinity=0.0 heat_capacity={c_V} /
-&expert settle=3 /
-&time t_end=100 /
-&output interval=0 /
-"""
-
     def test_polytrope(self):
         """n = 1: R = sqrt(pi K/2G), rho = rho_c sin x/x; its thin outside asks for short steps of the integration."""
         R = 6.371e6
         K = 2.0 * G * R * R / math.pi
-        path = self.written("polytrope", self.polytrope(2.0, K, 1.0))
-        p = self.profile_of(path)
+        # Of 1 kg/m³ at the surface: p = K ρ² there, T = p/[(γ - 1) c_V ρ].
+        p = self.profile(self.written("polytrope", f"""
+&planet mass=6e24 surface_pressure={K!r} surface_temperature={K / 1000.0!r} temperature_law='adiabatic' /
+&layer eos='stiffened_gas' gamma=2.0 p_infinity=0.0 heat_capacity=1000.0 /
+&time t_end=100 /
+"""))
         centre = math.pi * 6e24 / (4.0 * R**3)
         self.assertAlmostEqual(p["radius"] / R, 1.0, delta=1e-4)
         self.assertAlmostEqual(p["central_density"] / centre, 1.0, delta=1e-5)
@@ -83,18 +75,13 @@ class Planet(Case):
             x = math.pi * r / R
             self.assertAlmostEqual(rho / (centre * math.sin(x) / x), 1.0, delta=2e-4 + 1.0 / rho)
 
-    def profile_of(self, path):
-        file = self.here / f"profile_{len(list(self.here.iterdir()))}.json"
-        self.run_program("planet", path, options=["--profile", file])
-        return json.loads(file.read_text())
-
     def test_three_layers(self):
         """Each of its own mass, material and place; numbers of materials from the outside."""
         text = (INPUTS / "planet_earth.nml").read_text()
         text = text.replace("radius = 6.371e6", "").replace("name = 'core'", "name = 'core'  fraction = 0.3").replace("name = 'mantle'", "name = 'mantle'  fraction = 0.5")
         text += "\n&layer\n  name = 'crust'  fraction = 0.2  eos = 'tillotson'  tillotson = 'granite'  reference_temperature = 1e-6  heat_capacity = 790.0\n/\n"
         path = self.written("three", text)
-        p = self.profile_of(path)
+        p = self.profile(path)
         self.assertEqual(list(dict.fromkeys(p["layer"])), ["core", "mantle", "crust"])
         result = self.run_program("planet", path, {**SMALL, "planet.particles": 400, "expert.settle": 1, "time.t_end": 50})
         with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
@@ -190,6 +177,10 @@ class Planet(Case):
             with self.subTest(settings):
                 refused = self.call("planet", *self.arguments("giant_impact", settings, self.here / "no"))
                 self.assert_says(refused, BAD_INPUT, *words)
+        # Another run in the same place clears away the copies of both snapshots.
+        self.assertEqual(len(list(result.directory.glob("input_*.h5"))), 2)
+        self.run_program("planet", "planet_earth", {"planet.particles": 100, "expert.settle": 0, "time.steps": 1}, result.directory.name, ["--force"])
+        self.assertEqual(list(result.directory.glob("input_*.h5")), [])
         one = self.written("one", re.sub(r"&layer\s+name = 'mantle'[^/]*/", "", (INPUTS / "giant_impact.nml").read_text(), count=1))
         self.assert_says(self.call("planet", *self.arguments(one, files, self.here / "no")), BAD_INPUT, "its Material is 1")
 

@@ -32,7 +32,7 @@ void refresh_constants(world<D>& g) {
   auto& s = g.w.s;
   for (std::size_t i = 0; i < s.fluid; ++i) std::tie(g.gamma[i], g.stiffness[i]) = gas_of(g, s.material[i]);
   g.gamma[s.null()] = g.o.shock.gamma;
-  const bool two = g.sides() > 1 && (g.any_eos || gas_of(g, 0) != gas_of(g, 1));
+  const bool two = g.any_eos || gas_of(g, 0) != gas_of(g, 1);
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
   walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.m, &g.start_volume, &g.gamma, &g.stiffness, &g.kind}));
 }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 #include <eos/keys.hpp>
-#include <gas/setups.hpp>
+#include <gas/setup_parts.hpp>
 #include <numbers>
 #include <run/amounts.hpp>
 
@@ -113,13 +113,6 @@ void declare_states(namelist::schema& schema, shock_options& s) {
   }
 }
 
-void declare_softening(namelist::schema& schema, double& softening) {
-  schema.add("shock", "softening", softening,
-             for_expert(up_to(10.0,
-                              "collapse: radius beyond which a particle's field is that of a point, over its "
-                              "kernel's support at the start")));
-}
-
 void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "window", s.window,
              for_expert(up_to(1.0, "errors are measured in this part of the box along x, about its middle")));
@@ -196,7 +189,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  declare_softening(schema, o.softening);
+  gravity::declare_softening(schema, "shock", o.softening, "collapse: ");
   declare_transport(schema, o.shock);
   regions::declare(schema, of_regions, o.of_regions);
   sources::declare(schema, {.temperature = false}, o.of_sources);
@@ -309,21 +302,6 @@ void check_form(const namelist::schema& schema, const options& o) {
                 "evens out u, whose zero differs from material to material: one ideal gas alone");
 }
 
-void check_collapse(const namelist::schema& schema, const options& o) {
-  if (o.domain.dimension != 3) schema.fail("domain", "dimension", "the test 'collapse' has three dimensions");
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (o.domain.periodic[a])
-      schema.fail("domain", std::string("periodic_") + "xyz"[a], "the cloud of the test 'collapse' is in open space");
-    if (o.domain.length[a] != 2.0)
-      schema.fail("domain", std::string("length_") + "xyz"[a],
-                  "expected 2: the cloud of the test 'collapse' fills its box");
-  }
-  if (o.any_eos()) schema.fail("shock", "eos_l", "the test 'collapse' is of an ideal gas");
-  for (const char* key : {"rho_l", "u_l", "p_l", "rho_r", "u_r", "p_r"})
-    if (schema.changed("shock", key))
-      schema.fail("shock", key, "the state of the test 'collapse' is given: leave it out");
-}
-
 void check_test(const namelist::schema& schema, const options& o) {
   const auto& s = o.shock;
   const auto& test = s.test;
@@ -346,10 +324,6 @@ void check_test(const namelist::schema& schema, const options& o) {
       if (o.domain.length[a] < (a == 0 ? 4.0 : 2.0) * s.radius)
         schema.fail("shock", "radius", "the box does not hold the two bodies side by side");
   }
-  if (test == "collapse")
-    check_collapse(schema, o);
-  else if (o.softening != 1.0)
-    schema.fail("shock", "softening", "is of the test 'collapse', which has gravity of its own");
   if (s.corner)
     for (std::size_t a = 0; a < o.domain.axes(); ++a)
       if (test != "sedov" || o.domain.periodic[a])
@@ -465,17 +439,12 @@ void resolve(const namelist::schema& schema, options& o) {
   resolve_box(schema, o);
   check_form(schema, o);
   check_test(schema, o);
+  resolve_collapse(schema, o);
   check_transport(schema, o);
   choose_precision(schema, o);
   resolve_regions(schema, o);
   check_coarser(schema, o);
   if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
-  if (o.shock.test == "collapse") {
-    o.domain.open = {true, true, true};
-    gravity::tree_options units;
-    units.gravitational_constant = 1.0;
-    o.self_gravity = units;
-  }
   const auto test = schema.placed("shock", "test", [&] { return make_setup(o); });
   schema.placed("shock", "test", [&] { check_start(o, test); });
   std::vector<std::string> fields{"InternalEnergy"};

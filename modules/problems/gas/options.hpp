@@ -59,7 +59,7 @@ struct shock_options {
 struct options {
   domain::options domain{.dimension = 1, .length = {1.0, 0.0, 0.0}, .particles = {400, 0, 0}};
   shock_options shock;
-  std::vector<side_options> materials = {};  // by number, of a start of more than two; none: left and right
+  std::vector<side_options> materials = {};  // by number (program planet); empty: left and right
   regions::options of_regions;               // as the input has them
   regions::all regions;
   sources::options of_sources;

@@ -31,10 +31,33 @@ setup collapse(const options& o) {
     t.particles.push_back(
         {{centre[0] + x[0], centre[1] + x[1], centre[2] + x[2]}, M / static_cast<double>(places.size()), now});
   }
-  t.material_l = 0;
   const double escape = std::sqrt(2.0 * M / R);
   t.scales = {M * escape, M * R * escape};
   return t;
+}
+
+void resolve_collapse(const namelist::schema& schema, options& o) {
+  if (o.shock.test != "collapse") {
+    if (o.softening != 1.0)
+      schema.fail("shock", "softening", "is of the test 'collapse', which has gravity of its own");
+    return;
+  }
+  if (o.domain.dimension != 3) schema.fail("domain", "dimension", "the test 'collapse' has three dimensions");
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (o.domain.periodic[a])
+      schema.fail("domain", std::string("periodic_") + "xyz"[a], "the cloud of the test 'collapse' is in open space");
+    if (o.domain.length[a] != 2.0)
+      schema.fail("domain", std::string("length_") + "xyz"[a],
+                  "expected 2: the cloud of the test 'collapse' fills its box");
+  }
+  if (o.any_eos()) schema.fail("shock", "eos_l", "the test 'collapse' is of an ideal gas");
+  for (const char* key : {"rho_l", "u_l", "p_l", "rho_r", "u_r", "p_r"})
+    if (schema.changed("shock", key))
+      schema.fail("shock", key, "the state of the test 'collapse' is given: leave it out");
+  o.domain.open = {true, true, true};
+  gravity::tree_options units;
+  units.gravitational_constant = 1.0;
+  o.self_gravity = units;
 }
 
 }  // namespace tetsuame::gas

@@ -31,6 +31,7 @@ setup impact(const options& o);
 
 // setup_of_collapse.cpp
 setup collapse(const options& o);
+void resolve_collapse(const namelist::schema& schema, options& o);  // checks, open sides, and G = 1
 
 // setup_of_viscous_shock.cpp
 setup viscous_shock(const options& o);

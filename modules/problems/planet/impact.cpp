@@ -8,11 +8,11 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <foundation/exact_sum.hpp>
 #include <gas/setup_parts.hpp>
 #include <numbers>
 #include <planet/impact.hpp>
 #include <planet/profile.hpp>
+#include <planet/sums.hpp>
 #include <run/start_file.hpp>
 
 namespace tetsuame::planet {
@@ -115,7 +115,7 @@ encounter before_contact(const impact_options& o, const body& target, const body
 }
 
 std::vector<gas::placed> meet(const body& target, const body& impactor, const encounter& e, const point& centre) {
-  std::vector<gas::placed> all;
+  std::vector<gas::placed> both;
   const double M = target.mass + impactor.mass;
   const auto add = [&](const body& b, double share) {
     for (gas::placed p : b.particles) {
@@ -123,45 +123,21 @@ std::vector<gas::placed> meet(const body& target, const body& impactor, const en
         p.x[a] += centre[a] + share * e.place[a];
         p.now.v[a] += share * e.velocity[a];
       }
-      all.push_back(p);
+      both.push_back(p);
     }
   };
   add(target, -impactor.mass / M);
   add(impactor, target.mass / M);
-  return all;
+  return both;
 }
 
 namespace {
-
-// Sums of mass, first moment and momentum over particles of all ranks.
-struct group {
-  const view& w;
-  foundation::exact_sum mass;
-  std::array<foundation::exact_sum, 3> place, velocity;
-  void add(std::size_t i) {
-    mass.add(w.m[i]);
-    for (std::size_t a = 0; a < 3; ++a) {
-      place[a].add(w.m[i] * w.x[a][i]);
-      velocity[a].add(w.m[i] * w.v[a][i]);
-    }
-  }
-};
-struct centre_of {
-  double mass = 0.0;
-  point place{}, velocity{};
-  explicit centre_of(const group& g) : mass(g.w.ranks.exact(g.mass)) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      place[a] = g.w.ranks.exact(g.place[a]) / mass;
-      velocity[a] = g.w.ranks.exact(g.velocity[a]) / mass;
-    }
-  }
-};
 
 enum class fate { planet, disk, escapes };
 
 struct judge {
   const view& w;
-  centre_of planet;
+  centre_of_mass planet;
   double radius;
 
   fate of(std::size_t i) const {
@@ -179,44 +155,36 @@ struct judge {
 remnants find_remnants(const view& w, const body& target, std::int32_t metal) {
   const double density = target.mass / (4.0 / 3.0 * pi * std::pow(target.radius, 3));
   const auto radius_of = [&](double mass) { return std::cbrt(3.0 * mass / (4.0 * pi * density)); };
-  const auto centre_of_those = [&](const auto& which) {
-    group g{w, {}, {}, {}};
-    for (std::size_t i = 0; i < w.n; ++i)
-      if (which(i)) g.add(i);
-    return centre_of(g);
-  };
   double densest = 0.0;
   for (std::size_t i = 0; i < w.n; ++i) densest = std::max(densest, w.rho[i]);
   densest = w.ranks.maximum(densest);
-  centre_of now = centre_of_those([&](std::size_t i) { return w.rho[i] == densest; });
+  centre_of_mass now = centre_of(w, [&](std::size_t i) { return w.rho[i] == densest; });
   for (int k = 0; k < 5; ++k) {
     const point at = now.place;
-    now = centre_of_those([&](std::size_t i) { return gas::distance(w.place(i), at) <= target.radius; });
+    now = centre_of(w, [&](std::size_t i) { return gas::distance(w.place(i), at) <= target.radius; });
   }
   judge by{w, now, radius_of(now.mass)};
   for (int k = 0; k < 100; ++k) {
-    const centre_of next = centre_of_those([&](std::size_t i) { return by.of(i) == fate::planet; });
+    const centre_of_mass next = centre_of(w, [&](std::size_t i) { return by.of(i) == fate::planet; });
     const bool stays = std::abs(next.mass / by.planet.mass - 1.0) < 1e-6;
     by.planet = next;
     by.radius = radius_of(next.mass);
     if (stays) break;
   }
+  const auto of_target = static_cast<std::int64_t>(target.particles.size());
   remnants left;
   left.planet_radius = by.radius;
   const auto fill = [&](remnants::part& part, fate which) {
-    foundation::exact_sum mass, of_metal, of_impactor;
-    std::array<foundation::exact_sum, 3> h;
-    for (std::size_t i = 0; i < w.n; ++i) {
-      if (by.of(i) != which) continue;
-      mass.add(w.m[i]);
-      if (w.material[i] == metal) of_metal.add(w.m[i]);
-      if (w.id[i] >= static_cast<std::int64_t>(target.particles.size())) of_impactor.add(w.m[i]);
-      const point turn = cross(minus(w.place(i), by.planet.place), minus(w.velocity(i), by.planet.velocity));
-      for (std::size_t a = 0; a < 3; ++a) h[a].add(w.m[i] * turn[a]);
-    }
-    point all{};
-    for (std::size_t a = 0; a < 3; ++a) all[a] = w.ranks.exact(h[a]);
-    part = {w.ranks.exact(mass), w.ranks.exact(of_metal), w.ranks.exact(of_impactor), size(all)};
+    const auto belongs = [&](std::size_t i) { return by.of(i) == which; };
+    point h{};  // kg m²/s
+    for (std::size_t a = 0; a < 3; ++a)
+      h[a] = sum_by_mass(w, belongs, [&](std::size_t i) {
+        return cross(minus(w.place(i), by.planet.place), minus(w.velocity(i), by.planet.velocity))[a];
+      });
+    part.mass = mass_of(w, belongs);
+    part.metal = mass_of(w, [&](std::size_t i) { return belongs(i) && w.material[i] == metal; });
+    part.of_impactor = mass_of(w, [&](std::size_t i) { return belongs(i) && w.id[i] >= of_target; });
+    part.angular_momentum = size(h);
   };
   fill(left.planet, fate::planet);
   fill(left.disk, fate::disk);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <eos/caloric.hpp>
 #include <eos/keys.hpp>
+#include <gravity/options.hpp>
 #include <namelist/lists.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -16,7 +17,7 @@ namespace {
 using namelist::between, namelist::element_of, namelist::for_expert, namelist::positive;
 
 constexpr std::size_t most_layers = 8;
-constexpr const char* group = "layer";
+const char* const group = layer_group;
 
 namelist::key_info list(namelist::key_info of_one) { return namelist::one_each(std::move(of_one), most_layers); }
 
@@ -169,83 +170,7 @@ void fill_engine(options& o) {
 
 namespace {
 
-void declare_impact(namelist::schema& schema, impact_options& i) {
-  schema.group("impact",
-               "two bodies that meet, in place of a planet: snapshots of this program, with the materials of &layer");
-  const auto file = [](const char* what) {
-    return namelist::key_info{.may_change = true, .file = namelist::file_of::start, .meaning = what};
-  };
-  schema.add("impact", "target", i.target, file("snapshot of the body that is met"));
-  schema.add("impact", "impactor", i.impactor, file("snapshot of the other one"));
-  schema.add("impact", "speed", i.speed, namelist::up_to(100.0, "at contact, of the mutual escape velocity"));
-  schema.add("impact", "impact_parameter", i.impact_parameter,
-             between(0.0, 1.0, "sine of the angle between the velocity and the line of centres, at contact"));
-  schema.add("impact", "time_before_contact", i.time_before_contact,
-             {.unit = "s", .minimum = 0.0, .meaning = "at which the run begins, on the orbit of two point masses"});
-  schema.add("impact", "target_radius", i.target_radius,
-             for_expert(positive(
-                 "m", "not given: the mean distance of the outermost hundredth of its particles, and half a spacing")));
-  schema.add("impact", "impactor_radius", i.impactor_radius, for_expert(positive("m", "likewise")));
-}
-
-void check_rotation(const namelist::schema& schema, const options& o) {
-  const auto& start = o.gas.common.start;
-  if (!start.file.empty() && !start.settles())
-    for (const char* key : {"spin_period", "expansion"})
-      if (schema.changed("planet", key))
-        schema.fail("planet", key, "is that of a start which settles: the snapshot has a motion of its own");
-  if (!o.spin_period) return;
-  const double R = o.structure->radius(), M = o.structure->mass();
-  const double shortest = 2.0 * std::numbers::pi * std::sqrt(R * R * R / (gravitational_constant * M));
-  if (*o.spin_period < shortest)
-    schema.fail(
-        "planet", "spin_period",
-        fmt::format("at the equator the planet would leave its surface: expected more than {:.6g} s", shortest));
-}
-
-// Reads both snapshots and finds where the bodies begin.
-void resolve_impact(const namelist::schema& schema, options& o) {
-  auto& i = o.impact;
-  for (const char* key : {"target", "impactor"})
-    if ((key[0] == 't' ? i.target : i.impactor).empty())
-      schema.fail("impact", key, "must be given: an impact is of two bodies");
-  for (const char* key : {"mass", "radius", "surface_pressure", "surface_temperature", "temperature_law",
-                          "temperature_exponent", "spin_period", "expansion", "particles"})
-    if (schema.changed("planet", key)) schema.fail("planet", key, "follows from the bodies of &impact: leave it out");
-  for (std::size_t n = 0; n < o.materials.size(); ++n)
-    if (element_of(o.layer.fraction, n))
-      schema.fail_at(group, "fraction", n, "follows from the bodies of &impact: leave it out");
-  auto& start = o.gas.common.start;
-  if (!start.file.empty()) schema.fail("initial", "file", "the start is that of &impact: give one of them");
-  if (!schema.given("initial", "settle")) start.settle = 0.0;
-  if (start.settles()) schema.fail("initial", "settle", "bodies that meet move; let each settle in a run of its own");
-  const auto number = static_cast<std::int32_t>(o.materials.size());
-  const auto place = [&](const char* key) { return schema.where("impact", key) + ": &impact " + key + ": "; };
-  auto target = read_body(i.target, place("target"), number),
-       impactor = read_body(i.impactor, place("impactor"), number);
-  if (i.target_radius) target.radius = *i.target_radius;
-  if (i.impactor_radius) impactor.radius = *i.impactor_radius;
-  const auto e = schema.placed("impact", "time_before_contact", [&] { return before_contact(i, target, impactor); });
-  for (std::size_t n = 0; n < o.materials.size(); ++n) {
-    const auto is_of_it = [&](const gas::placed& p) { return p.now.material == o.material_of(n); };
-    if (std::ranges::none_of(target.particles, is_of_it) && std::ranges::none_of(impactor.particles, is_of_it))
-      schema.fail_at(group, "eos", n, fmt::format("no particle of the two bodies is of layer '{}'", o.names[n]));
-  }
-  o.impact_of.emplace(std::move(target), std::move(impactor), e);
-}
-
-}  // namespace
-
-void declare(namelist::schema& schema, options& o) {
-  auto& common = o.gas.common;
-  common.time.method = "adaptive";
-  common.time.rtol = 0.02;
-  common.kernel.name = "wendland_c4";
-  common.kernel.skin = 0.5;
-  common.start.settle = 6.0;
-  const gravity::tree_options tree;
-  o.opening = tree.opening;
-  o.tolerance = tree.tolerance;
+void declare_structure(namelist::schema& schema, options& o) {
   schema.group("planet", "a sphere of layers in hydrostatic equilibrium under its own gravity");
   schema.add("planet", "mass", o.mass, positive("kg", "of the planet"));
   schema.add("planet", "radius", o.radius,
@@ -263,15 +188,16 @@ void declare(namelist::schema& schema, options& o) {
   schema.add(
       "planet", "expansion", o.expansion,
       for_expert({.unit = "1/s", .meaning = "radial velocity over radius that the settled planet is given: it rings"}));
+}
+
+// Particles, forces and dissipation.
+void declare_particles(namelist::schema& schema, options& o) {
   schema.add("planet", "particles", o.particles, between(100, 1e9, "of equal mass, about so many"));
   schema.add("planet", "scheme", o.scheme,
              {.choices = {"ssph", "disph", "remix"},
               .meaning = "standard; density-independent with the volume as weight; or kernels that reproduce linear "
                          "fields, with a density that follows from continuity"});
-  schema.add("planet", "softening", o.gas.softening,
-             for_expert(namelist::up_to(10.0,
-                                        "self-gravity: radius beyond which a particle's field is that of a point, "
-                                        "over its kernel's support at the start")));
+  gravity::declare_softening(schema, "planet", o.gas.softening, "self-gravity: ");
   schema.add("planet", "opening", o.opening,
              for_expert(namelist::up_to(0.99, "self-gravity: largest opening angle of the tree")));
   schema.add("planet", "tolerance", o.tolerance,
@@ -279,13 +205,6 @@ void declare(namelist::schema& schema, options& o) {
                          .maximum = 0.1,
                          .exclusive_minimum = true,
                          .meaning = "self-gravity: error of multipoles, of a lower bound of the field"}));
-  declare_layers(schema, o.layer);
-  declare_impact(schema, o.impact);
-  schema.group("domain", "who has which particles");
-  schema.add(
-      "domain", "ranks_x", o.gas.domain.ranks_x.number,
-      namelist::changing(between(
-          0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the planet's shape suggests")));
   schema.add(
       "planet", "viscosity", o.viscosity,
       {.unit = "Pa s",
@@ -293,6 +212,44 @@ void declare(namelist::schema& schema, options& o) {
        .meaning = "mu of all layers, beside the artificial viscosity; the bulk viscosity is 5/3 of it, with which "
                   "the forces of pairs are central and angular momentum is conserved"});
   schema.add("planet", "alpha", o.gas.shock.alpha, between(0.0, 10.0, "of the artificial viscosity"));
+}
+
+void check_rotation(const namelist::schema& schema, const options& o) {
+  const auto& start = o.gas.common.start;
+  if (!start.file.empty() && !start.settles())
+    for (const char* key : {"spin_period", "expansion"})
+      if (schema.changed("planet", key))
+        schema.fail("planet", key, "is that of a start which settles: the snapshot has a motion of its own");
+  if (!o.spin_period) return;
+  const double R = o.structure->radius(), M = o.structure->mass();
+  const double shortest = 2.0 * std::numbers::pi * std::sqrt(R * R * R / (gravitational_constant * M));
+  if (*o.spin_period < shortest)
+    schema.fail(
+        "planet", "spin_period",
+        fmt::format("at the equator the planet would leave its surface: expected more than {:.6g} s", shortest));
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, options& o) {
+  auto& common = o.gas.common;
+  common.time.method = "adaptive";
+  common.time.rtol = 0.02;
+  common.kernel.name = "wendland_c4";
+  common.kernel.skin = 0.5;
+  common.start.settle = 6.0;
+  const gravity::tree_options tree;
+  o.opening = tree.opening;
+  o.tolerance = tree.tolerance;
+  declare_structure(schema, o);
+  declare_particles(schema, o);
+  declare_layers(schema, o.layer);
+  declare_impact(schema, o.impact);
+  schema.group("domain", "who has which particles");
+  schema.add(
+      "domain", "ranks_x", o.gas.domain.ranks_x.number,
+      namelist::changing(between(
+          0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the planet's shape suggests")));
   run::declare(schema, common,
                {.kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,

@@ -51,6 +51,11 @@ struct options {
   std::int32_t material_of(std::size_t which) const { return static_cast<std::int32_t>(materials.size() - 1 - which); }
 };
 
+inline constexpr const char* layer_group = "layer";
+// impact_options.cpp
+void declare_impact(namelist::schema& schema, impact_options& i);
+void resolve_impact(const namelist::schema& schema, options& o);
+
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);
 // Particles, their states, and what is measured of them.

@@ -61,9 +61,9 @@ class profile {
   std::vector<layer_levels> layers_;
 };
 
-// The planet of this mass with these fractions; its radius follows, to 1e-10. fail_input: no radius between those of a
-// density of 1 and 1e6 kg/m³ carries it, or a layer's equation of state has no such state, with the layer and the
-// place.
+// The planet of this mass with these fractions; its radius follows, to 1e-10, the larger one where two carry the mass.
+// fail_input: no radius between those of a density of 1 and 1e6 kg/m³ carries it, or a layer's equation of state has no
+// such state, with the layer and the place.
 profile structure_of_mass(const structure_input& input);
 
 // The planet of this mass and radius; the fraction of the innermost of two layers follows, to 1e-10. fail_input: even

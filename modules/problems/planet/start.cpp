@@ -1,11 +1,13 @@
 // The particles of the planet, and what is measured of them against its profile.
 #include <cmath>
 #include <foundation/exact_sum.hpp>
+#include <functional>
 #include <gas/setup_parts.hpp>
 #include <memory>
 #include <numbers>
 #include <planet/options.hpp>
 #include <planet/shells.hpp>
+#include <planet/sums.hpp>
 
 namespace tetsuame::planet {
 
@@ -13,28 +15,11 @@ namespace {
 
 using gas::point, gas::view;
 
-// Of all particles.
-struct motion {
-  point centre{};       // m, of mass
-  double speed2 = 0.0;  // mean of v² by mass, m²/s²
-};
-
-motion motion_of(const view& w) {
-  foundation::exact_sum mass, square;
-  std::array<foundation::exact_sum, 3> first;
-  for (std::size_t i = 0; i < w.n; ++i) {
-    const point x = w.place(i), v = w.velocity(i);
-    mass.add(w.m[i]);
-    for (std::size_t a = 0; a < 3; ++a) {
-      first[a].add(w.m[i] * x[a]);
-      square.add(w.m[i] * v[a] * v[a]);
-    }
-  }
-  const double M = w.ranks.exact(mass);
-  motion all;
-  for (std::size_t a = 0; a < 3; ++a) all.centre[a] = w.ranks.exact(first[a]) / M;
-  all.speed2 = w.ranks.exact(square) / M;
-  return all;
+double mean_square_speed(const view& w) {  // m²/s², by mass
+  return mean_by_mass(w, all, [&](std::size_t i) {
+    const point v = w.velocity(i);
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  });
 }
 
 // Mean of |value/profile - 1| by mass, beyond two smoothing lengths of interfaces and within: of density and pressure.
@@ -70,37 +55,17 @@ errors errors_of(const view& w, const profile& planet, double h_over_dx, const p
 
 // Mean by mass of (x_a - centre_a)², m².
 point spread_of(const view& w) {
-  const point centre = motion_of(w).centre;
-  foundation::exact_sum mass;
-  std::array<foundation::exact_sum, 3> square;
-  for (std::size_t i = 0; i < w.n; ++i) {
-    const point x = w.place(i);
-    mass.add(w.m[i]);
-    for (std::size_t a = 0; a < 3; ++a) square[a].add(w.m[i] * (x[a] - centre[a]) * (x[a] - centre[a]));
-  }
-  const double M = w.ranks.exact(mass);
-  point all{};
-  for (std::size_t a = 0; a < 3; ++a) all[a] = w.ranks.exact(square[a]) / M;
-  return all;
+  const point centre = centre_of(w, all).place;
+  point square{};
+  for (std::size_t a = 0; a < 3; ++a)
+    square[a] = mean_by_mass(w, all, [&](std::size_t i) { return (w.x[a][i] - centre[a]) * (w.x[a][i] - centre[a]); });
+  return square;
 }
 
 // Mean distance from the planet's centre of mass, by mass, m.
 double mean_radius(const view& w, std::int32_t material) {
-  const point centre = motion_of(w).centre;
-  foundation::exact_sum mass, first;
-  for (std::size_t i = 0; i < w.n; ++i) {
-    if (w.material[i] != material) continue;
-    mass.add(w.m[i]);
-    first.add(w.m[i] * gas::distance(w.place(i), centre));
-  }
-  return w.ranks.exact(first) / w.ranks.exact(mass);
-}
-
-double mass_of(const view& w, std::int32_t material) {
-  foundation::exact_sum mass;
-  for (std::size_t i = 0; i < w.n; ++i)
-    if (w.material[i] == material) mass.add(w.m[i]);
-  return w.ranks.exact(mass);
+  const point centre = centre_of(w, all).place;
+  return mean_by_mass(w, of_material(w, material), [&](std::size_t i) { return gas::distance(w.place(i), centre); });
 }
 
 }  // namespace
@@ -123,7 +88,7 @@ gas::setup start_of(const options& o) {
   const bool layered = planet->layers().size() > 1;
   const double escape = std::sqrt(2.0 * gravitational_constant * M / R);  // m/s
   t.scales = {M * escape, M * R * escape};
-  t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(motion_of(w).speed2); }},
+  t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(mean_square_speed(w)); }},
               {"radius_rms", "m", [](const view& w) {
                  const auto square = spread_of(w);
                  return std::sqrt(square[0] + square[1] + square[2]);
@@ -135,13 +100,12 @@ gas::setup start_of(const options& o) {
   const double h_over_dx = o.gas.common.kernel.h_over_dx;
   t.known = {{"planet_radius", R}, {"central_pressure", planet->centre().p}, {"central_density", planet->centre().rho}};
   t.measures = [=](const view& w, const gas::samples&) {
-    const motion now = motion_of(w);
-    const errors e = errors_of(w, *planet, h_over_dx, now.centre);
+    const errors e = errors_of(w, *planet, h_over_dx, centre_of(w, all).place);
     gas::numbers told{{"profile_density_error", e.density},
                       {"profile_pressure_error", e.pressure},
                       {"profile_density_error_at_interfaces", e.density_at_interfaces},
-                      {"v_rms_over_v_escape", std::sqrt(now.speed2) / escape}};
-    if (layered) told.emplace_back("core_mass", mass_of(w, core));
+                      {"v_rms_over_v_escape", std::sqrt(mean_square_speed(w)) / escape}};
+    if (layered) told.emplace_back("core_mass", mass_of(w, of_material(w, core)));
     if (spin != 0.0) {
       const auto square = spread_of(w);
       told.emplace_back("axis_ratio", std::sqrt(2.0 * square[2] / (square[0] + square[1])));
@@ -166,20 +130,8 @@ gas::setup impact_start(const options& o) {
              {"impactor_radius", impactor.radius}};
   const auto of_target = static_cast<std::int64_t>(target.particles.size());
   t.traces = {{"separation", "m", [of_target](const view& w) {
-                 const auto centre_of = [&](bool is_target) {
-                   foundation::exact_sum mass;
-                   std::array<foundation::exact_sum, 3> first;
-                   for (std::size_t i = 0; i < w.n; ++i) {
-                     if ((w.id[i] < of_target) != is_target) continue;
-                     mass.add(w.m[i]);
-                     for (std::size_t a = 0; a < 3; ++a) first[a].add(w.m[i] * w.x[a][i]);
-                   }
-                   const double all = w.ranks.exact(mass);
-                   point place{};
-                   for (std::size_t a = 0; a < 3; ++a) place[a] = w.ranks.exact(first[a]) / all;
-                   return place;
-                 };
-                 return gas::distance(centre_of(true), centre_of(false));
+                 const auto is_target = [&](std::size_t i) { return w.id[i] < of_target; };
+                 return gas::distance(centre_of(w, is_target).place, centre_of(w, std::not_fn(is_target)).place);
                }}};
   const std::int32_t metal = o.material_of(0);
   t.measures = [bodies, metal](const view& w, const gas::samples&) {
