@@ -19,6 +19,8 @@ else()
 endif()
 set(TETSUAME_ARCH "${arch}" CACHE STRING "-march= of every target (native: this machine only; empty: the compiler's own)")
 option(TETSUAME_AVX512 "The programs marked WIDE can be built for AVX-512 too" ON)
+# Half of the time that a small source takes to compile goes into headers and templates that its neighbours instantiate too.
+option(TETSUAME_UNITY "Compile the sources of a module several at a time" ON)
 option(TETSUAME_SANITIZE "Address and undefined-behaviour sanitizers" OFF)
 
 add_library(tetsuame_options INTERFACE)
@@ -77,7 +79,7 @@ function(share_headers target)
     target_precompile_headers(${kind} PRIVATE
       <algorithm> <array> <chrono> <cmath> <experimental/simd> <filesystem> <fstream> <functional> <map> <memory>
       <numeric> <optional> <span> <sstream> <string> <variant> <vector>
-      <fmt/format.h> <mpi.h> <nlohmann/json.hpp>)
+      <fmt/format.h> <mpi.h>)
     if(kind MATCHES TEST)
       target_precompile_headers(${kind} PRIVATE <boost/test/unit_test.hpp>)
       target_link_libraries(${kind} PRIVATE test_main)
@@ -109,6 +111,10 @@ function(tetsuame_module name)
     set(scope PUBLIC)
     add_library(${name} STATIC ${arg_SOURCES})
     share_headers(${name})
+    # Builds for debugging, and the linter, read every source by itself.
+    if(TETSUAME_UNITY AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+      set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    endif()
   else()
     set(scope INTERFACE)
     add_library(${name} INTERFACE)

@@ -1,12 +1,9 @@
 #include <cmath>
 #include <eos/caloric.hpp>
-#include <limits>
 
 namespace tetsuame::eos {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // Of equations of state with an energy of their own; Tillotson's begins from it, and has its own sound.
 template <class Material>

@@ -8,8 +8,6 @@ namespace tetsuame::eos {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 // Both terms of A and of its derivatives, J/(kg K^2): sum A, sum m A, sum m^2 A.
 struct quadratic_sums {
   double A, first, second;

@@ -7,9 +7,12 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace tetsuame::eos {
+
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // Of one state, or R holds several, one a lane.
 template <class R>

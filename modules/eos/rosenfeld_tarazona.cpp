@@ -7,8 +7,6 @@ namespace tetsuame::eos {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 bool in_reach(const rosenfeld_tarazona& m, double rho) {
   return rho >= m.least_compression * m.rho0 && rho <= m.most_compression * m.rho0;
 }

@@ -5,13 +5,10 @@
 #include <eos/surface.hpp>
 #include <eos/tabulated.hpp>
 #include <foundation/error.hpp>
-#include <limits>
 
 namespace tetsuame::eos {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> logarithms(std::vector<double> values) {
   for (double& x : values) x = std::log(x);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <eos/tillotson.hpp>
 #include <foundation/error.hpp>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -94,7 +93,6 @@ tillotson::isentrope_point tillotson::isentrope(double rho) const {
     return {0.0, T, 0.0, gamma * T / rho};
   }
   if (!(rho <= material.rho0 * largest_compression * (1.0 + 1e-12))) {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan, nan, nan};
   }
   const auto& [u, ln_T] = *curves_;

@@ -12,7 +12,7 @@ namespace tetsuame::exact {
 
 namespace {
 
-using state = std::array<double, 3>;  // ln z, ln g, integral of the energy from lambda to 1
+using similarity_state = std::array<double, 3>;  // ln z, ln g, integral of the energy from lambda to 1
 
 // phi, g and h of a state at lambda.
 sedov::similarity values(double gamma, double ln_z, double ln_g, double lambda) {
@@ -21,10 +21,10 @@ sedov::similarity values(double gamma, double ln_z, double ln_g, double lambda) 
   return {phi, g, std::exp(ln_g - ln_z + 2.0 * std::log(lambda)) * m};
 }
 
-struct slopes {
+struct similarity_slopes {
   double D, gamma;
 
-  void operator()(const state& y, state& by_s, double s) const {
+  void operator()(const similarity_state& y, similarity_state& by_s, double s) const {
     const double z = std::exp(y[0]), phi = (1.0 + z) / gamma, rest = 1.0 - phi;
     const double m = 0.5 * (gamma - 1.0) * phi * phi * rest;
     by_s[0] =
@@ -49,15 +49,15 @@ sedov::sedov(int dimension, double gamma) : dimension_(dimension), gamma_(gamma)
   const double D = dimension, tail = 2.0 + D / (gamma - 1.0);
   // To where z has fallen to about e^-40: below, the powers of the centre hold to rounding.
   step_ = 40.0 / tail / intervals;
-  const slopes system{D, gamma};
+  const similarity_slopes system{D, gamma};
   // Behind a strong shock phi = 2/(gamma+1), g = (gamma+1)/(gamma-1).
-  state y{std::log((gamma - 1.0) / (gamma + 1.0)), std::log((gamma + 1.0) / (gamma - 1.0)), 0.0};
+  similarity_state y{std::log((gamma - 1.0) / (gamma + 1.0)), std::log((gamma + 1.0) / (gamma - 1.0)), 0.0};
   // One step an interval: 40/4096 of a scale height of z, to the 8th power, is below rounding.
-  odeint::runge_kutta_fehlberg78<state> stepper;
+  odeint::runge_kutta_fehlberg78<similarity_state> stepper;
   table_.reserve(intervals + 1);
   for (int k = 0;; ++k) {
     const double s = -k * step_;
-    state by_s;
+    similarity_state by_s;
     system(y, by_s, s);
     table_.push_back({y[0], y[1], by_s[0], by_s[1]});
     if (k == intervals) break;

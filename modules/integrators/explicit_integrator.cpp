@@ -53,6 +53,7 @@ table_handle table_of(const explicit_options& o) {
   const std::map<std::string, std::function<ARKodeButcherTable()>> methods{
       {"euler", nullptr},
       {"ab2", nullptr},
+      {"kdk", nullptr},
       {"rkl2", nullptr},
       {"rkc2", nullptr},
       {"order_2", ralston_table},
@@ -93,14 +94,15 @@ struct explicit_integrator::implementation {
   radius_function radius_bound;
   double t;
 
-  bool is_ab2 = options.method == "ab2", is_euler = options.method == "euler",
+  bool is_ab2 = options.method == "ab2", is_euler = options.method == "euler", is_kdk = options.method == "kdk",
        is_stabilised = options.method == "rkl2" || options.method == "rkc2";
-  bool adaptive = options.method == "adaptive" || (is_stabilised && options.error_control);
+  bool adaptive = options.method == "adaptive" || ((is_stabilised || is_kdk) && options.error_control);
   stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
   table_handle table = table_of(options);  // none: the steps are formed here
 
   double previous_error = 0.0;
-  double previous_dt = 0.0;  // explicit_memory
+  double previous_dt = 0.0;         // explicit_memory
+  step_limit stable_step{0.0, {}};  // explicit_memory::stable
   explicit_statistics statistics{};
 
   sundials::Context context{};
@@ -131,9 +133,9 @@ struct explicit_integrator::implementation {
 
   void check_fields() const {
     for (const field& f : fields) {
-      if (is_ab2 && number(f) > 0 && f.previous_rate == nullptr)
-        fail_input(fmt::format("method 'ab2' needs an array for the earlier rate of {}", f.name));
-      if (adaptive && f.absolute_tolerance == 0.0 && f.scale == 0.0)
+      if ((is_ab2 || (is_kdk && !f.velocity)) && number(f) > 0 && f.previous_rate == nullptr)
+        fail_input(fmt::format("method '{}' needs an array for the earlier rate of {}", options.method, f.name));
+      if (adaptive && !is_kdk && f.absolute_tolerance == 0.0 && f.scale == 0.0)
         fail_input(fmt::format(
             "{} needs an absolute tolerance or a scale: where it vanishes a relative one means nothing", f.name));
     }
@@ -155,7 +157,7 @@ struct explicit_integrator::implementation {
       set_up_arkode();
     } else {
       saved.reset(N_VClone(home.get()));
-      spare.reset(is_stabilised ? N_VClone(home.get()) : nullptr);
+      spare.reset(is_stabilised || is_kdk ? N_VClone(home.get()) : nullptr);
     }
   }
 
@@ -280,6 +282,17 @@ struct explicit_integrator::implementation {
           fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
     }
     rate_known = true;
+    if (is_kdk && previous_dt == 0.0) keep_rates(start_rate.get(), t);
+  }
+
+  // Of 'kdk': the kicks of the next step, and its length.
+  void keep_rates(N_Vector rate, double at) {
+    const auto f = values(rate);
+    for_all_values([&](std::size_t k, std::size_t i) {
+      if (!fields[k].velocity) fields[k].previous_rate[i] = f[k][i];
+    });
+    if (adaptive) stable_step = limit(at);
+    statistics.next_dt = adaptive ? stable_step.dt : options.dt;
   }
 
   void know_radius() {
@@ -336,7 +349,20 @@ struct explicit_integrator::implementation {
     return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
   }
 
+  void expect_positive(const step_limit& stable) const {
+    if (!(stable.dt > 0.0))
+      fail_calculation(
+          fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
+  }
+
   plan choose(double t_stop, const std::string& stop_is) {
+    if (is_kdk && adaptive) {
+      expect_positive(stable_step);
+      plan p{stable_step.dt, stable_step.name, false, false};
+      if (statistics.next_dt < p.dt) p = {statistics.next_dt, "accuracy", false, false};
+      cut_for_stop(t_stop, stop_is, p);
+      return p;
+    }
     if (!adaptive) {
       if (is_stabilised) know_radius();
       return choose_fixed(t_stop, stop_is);
@@ -345,9 +371,7 @@ struct explicit_integrator::implementation {
     plan p{statistics.next_dt, "accuracy", false, false};
     if (limit) {
       const step_limit stable = limit(t);
-      if (!(stable.dt > 0.0))
-        fail_calculation(
-            fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
+      expect_positive(stable);
       if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
     }
     if (is_stabilised) {
@@ -415,7 +439,7 @@ struct explicit_integrator::implementation {
       N_VScale(1.0, home.get(), saved.get());
     int status = 0;
     try {
-      status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
+      status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : is_kdk ? kdk_step(dt) : stabilised_stages(dt);
     } catch (...) {
       return_to_saved();
       throw;
@@ -426,6 +450,7 @@ struct explicit_integrator::implementation {
         for_all_values([&](std::size_t k, std::size_t i) { fields[k].previous_rate[i] = f0[k][i]; });
         previous_dt = dt;
       }
+      if (is_kdk) previous_dt = dt;
       forget_values(saved.get());
       return outcome::accepted;
     }
@@ -467,6 +492,30 @@ struct explicit_integrator::implementation {
       set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (0.25 * f0[k][i] + 0.75 * f1[k][i]); });
     }
     return evaluate(t + dt, latest_rate.get());
+  }
+
+  // Kick, drift, kick, with one evaluation: velocities by half a step of the kept rate, positions by a step of these,
+  // and the other half by the rate there. That is taken of velocities, energies and what else changes as they would be
+  // after a step of the kept rates, and kept for the next step [V. Springel, MNRAS 364, 1105 (2005), section 3].
+  int kdk_step(double dt) {
+    const auto y0 = values(saved.get());
+    set_arrays([&](std::size_t k, std::size_t i) {
+      const auto& v = fields[k].velocity;
+      return v ? y0[k][i] + dt * (y0[*v][i] + 0.5 * dt * fields[*v].previous_rate[i])
+               : y0[k][i] + dt * fields[k].previous_rate[i];
+    });
+    if (const int status = evaluate(t + dt, latest_rate.get()); status != 0) return status;
+    const auto f = values(latest_rate.get());
+    // Corrected once the limit of the next step has been asked for at the state of the evaluation.
+    const auto before = values_to_overwrite(spare.get());
+    for_all_values([&](std::size_t k, std::size_t i) {
+      if (!fields[k].velocity) before[k][i] = fields[k].previous_rate[i];
+    });
+    keep_rates(latest_rate.get(), t + dt);
+    set_arrays([&](std::size_t k, std::size_t i) {
+      return fields[k].velocity ? fields[k].data[i] : y0[k][i] + 0.5 * dt * (before[k][i] + f[k][i]);
+    });
+    return 0;
   }
 
   int stabilised_stages(double dt) {
@@ -550,6 +599,10 @@ struct explicit_integrator::implementation {
       statistics.next_dt = options.dt;
       return t;
     }
+    if (is_kdk) {
+      if (failures > 0) statistics.next_dt = std::min(stable_step.dt, p.dt);
+      return t;
+    }
     const double next = p.dt * accepted_factor(failures > 0);
     // A step cut short for an output time says little about the next one.
     statistics.next_dt = p.cut_for_output ? std::max(next, statistics.next_dt) : next;
@@ -572,6 +625,7 @@ explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<fiel
   const auto& o = self_->options;
   if (!self_->adaptive && !(o.dt > 0.0 && std::isfinite(o.dt)))
     fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
+  if (self_->is_kdk && self_->adaptive && !self_->limit) fail_input("method 'kdk' needs a step dt or a limit of steps");
   self_->check_fields();
   self_->build();
 }
@@ -597,7 +651,10 @@ void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
 
 bool explicit_integrator::repeats() const { return self_->repeats; }
 
-void explicit_integrator::choose_steps_anew() { self_->statistics.next_dt = self_->previous_error = 0.0; }
+void explicit_integrator::choose_steps_anew() {
+  self_->statistics.next_dt = self_->previous_error = 0.0;
+  if (self_->is_kdk) self_->previous_dt = 0.0;
+}
 
 void explicit_integrator::prepare() { self_->know_rate(); }
 
@@ -617,7 +674,8 @@ long long explicit_integrator::copies() const { return copies_made(self_->home.g
 
 explicit_memory explicit_integrator::save() const {
   return {self_->t,           self_->statistics.next_dt,           self_->previous_error,
-          self_->previous_dt, self_->rate_known || self_->repeats, self_->statistics};
+          self_->previous_dt, self_->rate_known || self_->repeats, self_->stable_step,
+          self_->statistics};
 }
 
 void explicit_integrator::restore(const explicit_memory& memory) {
@@ -627,6 +685,7 @@ void explicit_integrator::restore(const explicit_memory& memory) {
   self_->statistics.next_dt = memory.next_dt;
   state_changed();
   self_->previous_dt = memory.previous_dt;
+  self_->stable_step = memory.stable;
   self_->repeats = memory.rate_known;
 }
 

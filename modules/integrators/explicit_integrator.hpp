@@ -50,8 +50,11 @@ struct field {
   double absolute_tolerance = 0.0;         // the field's unit
   double scale = 0.0;                      // the field's unit; > 0 replaces |y| in the weight (positions)
   double common = 0.0, common_rate = 0.0;  // of all values, and of their rates: by what is beyond them steps are judged
-  double* previous_rate = nullptr;         // 'ab2': n values, df/dt of the step before; kept and moved by the caller
-  std::optional<std::size_t> number = {};  // of values, where they are not one a particle
+  // 'ab2': n values, df/dt of the step before; 'kdk': of all but positions, that of the last evaluation. Kept and moved
+  // by the caller.
+  double* previous_rate = nullptr;
+  std::optional<std::size_t> number = {};    // of values, where they are not one a particle
+  std::optional<std::size_t> velocity = {};  // 'kdk': a position; which of the fields is its rate
 };
 
 struct explicit_options {
@@ -60,8 +63,8 @@ struct explicit_options {
   double dt = 0.0;              // s; fixed: the step. adaptive: the first one, 0: chosen
   std::string dt_is = "fixed";  // what set a fixed step, for the statistics
   double rtol = 1e-4;           // adaptive
-  bool error_control = true;    // of 'rkl2', 'rkc2'; else fixed steps dt
-  int max_stages = 200;         // of 'rkl2', 'rkc2': 3 or more
+  bool error_control = true;  // of 'rkl2', 'rkc2', whose steps are else dt; of 'kdk' the largest stable steps, else dt
+  int max_stages = 200;       // of 'rkl2', 'rkc2': 3 or more
 };
 
 // f: when called the particle arrays hold the state at t; writes dy/dt, one array a field in the
@@ -96,13 +99,14 @@ struct explicit_statistics {
   std::map<std::string, long long> limited_by;
 };
 
-// All that a restart needs besides the particle arrays (of 'ab2', the earlier rates too).
+// All that a restart needs besides the particle arrays (of 'ab2' and 'kdk', the earlier rates too).
 struct explicit_memory {
   double t = 0.0;
   double next_dt = 0.0;
   double previous_error = 0.0;  // 0: none yet
-  double previous_dt = 0.0;     // of 'ab2'; 0: none, the next step is of 'order_2'
+  double previous_dt = 0.0;     // of 'ab2', 'kdk'; 0: none. The next step is then of 'order_2', or evaluates f anew
   bool rate_known = false;      // at the state: it has been evaluated and counted
+  step_limit stable{0.0, {}};   // of 'kdk': as it was where f was evaluated last
   explicit_statistics statistics{};
 };
 

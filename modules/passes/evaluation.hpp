@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <integrators/explicit_integrator.hpp>
 #include <passes/schedule.hpp>
 #include <run/lists.hpp>
@@ -61,10 +62,16 @@ class evaluation {
 
   // ---- declarations -----------------------------------------------------------------------
 
+  // Before what is integrated: the rates of all but positions are kept, for methods that evaluate once a step ('kdk').
+  void keep_rates() { keeps_rates_ = true; }
   // In the order of the rates.
   // Returns its place among these.
   std::size_t integrate(field& f, integrated about) {
     known_.integrated.add({f});
+    auto& s = box_.w.s;
+    if (keeps_rates_ && std::ranges::none_of(s.x, [&](const field& x) { return &x == &f; }))
+      about.previous_rate =
+          &particles::declare(s, "EarlierRate_" + std::to_string(states_.size()), "", particles::role::memory);
     states_.push_back({&f, nullptr, std::move(about)});
     return states_.size() - 1;
   }
@@ -165,12 +172,15 @@ class evaluation {
 
   std::vector<integrators::field> fields() const {
     std::vector<integrators::field> all;
+    const auto& s = box_.w.s;
     for (const auto& [f, numbers, about] : states_) {
       integrators::field one{about.name, f ? f->data() : numbers->data(), about.absolute_tolerance, about.scale};
       if (about.common) one.common = *about.common;
       if (about.common_rate) one.common_rate = *about.common_rate;
       if (about.previous_rate) one.previous_rate = about.previous_rate->data();
       if (numbers) one.number = numbers->size();
+      for (std::size_t a = 0; a < D; ++a)
+        if (f == &s.x[a]) one.velocity = place_of(s.v[a]);
       all.push_back(std::move(one));
     }
     return all;
@@ -178,6 +188,10 @@ class evaluation {
   // While run() is under way: dy/dt of the k-th integrated field, of the owned particles.
   double* rate(std::size_t k) const { return rates_[k]; }
   std::span<double* const> rates() const { return rates_; }
+  // Where rates are kept: the last one of a velocity, m/s², of the owned particles.
+  const field& kept_acceleration(std::size_t axis) const {
+    return *states_[place_of(box_.w.s.v[axis])].about.previous_rate;
+  }
 
   // Collective. Faults go to the workspace, those of earlier passes first.
   void run(std::span<double* const> rates) {
@@ -249,6 +263,11 @@ class evaluation {
     return name;
   }
 
+  std::size_t place_of(const field& wanted) const {
+    const auto found = std::ranges::find(states_, &wanted, [](const auto& state) { return state.values; });
+    return static_cast<std::size_t>(found - states_.begin());
+  }
+
   struct state_field {
     field* values;                 // of particles; or
     std::vector<double>* numbers;  // others
@@ -256,6 +275,7 @@ class evaluation {
   };
   run::state<D>& box_;
   std::vector<state_field> states_;
+  bool keeps_rates_ = false;
   known_fields known_;
   walls::mirrored_fields parities_;
   std::vector<pass> list_;

@@ -100,11 +100,15 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
   if (of_problem.diffuses) methods.insert(methods.end(), {"rkl2", "rkc2"});
   methods.emplace_back("adaptive");
   if (of_problem.keeps_rate) methods.emplace_back("ab2");
+  if (of_problem.keeps_kicks) methods.emplace_back("kdk");
   const std::string stabilised = of_problem.diffuses ? "; rkl2, rkc2: stabilised for diffusion" : "";
   schema.add("time", "method", o.method,
              {.choices = methods,
               .may_change = true,
-              .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control"});
+              .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control" +
+                         (of_problem.keeps_kicks
+                              ? "; kdk: kick-drift-kick (leapfrog), one evaluation a step, of the length that is stable"
+                              : "")});
   schema.add("time", "order", o.order,
              {.minimum = 2,
               .maximum = 5,
@@ -196,7 +200,7 @@ bool time_options::counts_steps(double output_interval) const {
 }
 
 bool time_options::controls_error() const {
-  return method == "adaptive" || ((method == "rkl2" || method == "rkc2") && error_control);
+  return method == "adaptive" || (method == "kdk" && !dt) || ((method == "rkl2" || method == "rkc2") && error_control);
 }
 
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {

@@ -90,6 +90,7 @@ struct abilities {
   bool single_pairs = false;              // its sums can be computed in single precision
   bool lists_change = true;               // particles move: a skin is worth choosing
   bool keeps_rate = false;                // it has arrays for the rate of the step before, which 'ab2' needs
+  bool keeps_kicks = false;               // and for those of all but positions, which 'kdk' needs
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool limits_diffusion = true;           // viscosity or conduction limits its steps

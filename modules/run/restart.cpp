@@ -60,7 +60,7 @@ std::string those_that_may(const present_run& is, const assignments& in_order) {
   return text;
 }
 
-std::string told(const std::string* value) {
+std::string text_or_unset(const std::string* value) {
   return value == nullptr ? "(no such key)" : value->empty() ? "(not given)" : *value;
 }
 
@@ -85,8 +85,8 @@ void check_restart(const saved_run& was, const present_run& is) {
   foundation::fail_input(
       fmt::format("{}: {} = {}, and {} in the checkpoint's run: a restart cannot change it, only {}; leave it as it "
                   "was, or start anew without --restart",
-                  place_of(is, changed), changed, told(value_of(now, changed)), told(value_of(then, changed)),
-                  those_that_may(is, now)));
+                  place_of(is, changed), changed, text_or_unset(value_of(now, changed)),
+                  text_or_unset(value_of(then, changed)), those_that_may(is, now)));
 }
 
 void check_end(const saved_run& was, const present_run& is) {

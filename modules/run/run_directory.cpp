@@ -52,6 +52,7 @@ void for_each_number(Memory& memory, const F& f) {
   f("next_dt", memory.next_dt);
   f("previous_error", memory.previous_error);
   f("previous_dt", memory.previous_dt);
+  f("stable_dt", memory.stable.dt);
   f("radius", s.radius);
   f("last_dt", s.last_dt);
   f("steps", s.steps);
@@ -69,6 +70,7 @@ void save(const integrators::explicit_memory& memory, output::checkpoint_globals
       g.integers[name] = value;
   });
   g.integers["rate_known"] = memory.rate_known ? 1 : 0;
+  g.texts["stable_dt_is"] = memory.stable.name;
   for (const auto& [name, count] : memory.statistics.limited_by) g.integers["limited_by " + name] = count;
 }
 
@@ -81,6 +83,7 @@ integrators::explicit_memory integrator_memory(const output::checkpoint_globals&
       value = g.integers.at(name);
   });
   memory.rate_known = g.integers.at("rate_known") != 0;
+  memory.stable.name = g.texts.at("stable_dt_is");
   memory.statistics.next_dt = memory.next_dt;
   constexpr std::string_view prefix = "limited_by ";
   for (const auto& [name, count] : g.integers)

@@ -12,11 +12,13 @@
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/compute_normal.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Side_of_triangle_mesh.h>
+#include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
 
 namespace tetsuame::solids {
@@ -29,12 +31,20 @@ using surface_mesh = CGAL::Surface_mesh<cgal_point>;
 using primitive = CGAL::AABB_face_graph_triangle_primitive<surface_mesh>;
 using box_tree = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
 namespace processing = CGAL::Polygon_mesh_processing;
+// Distances are good to rounding. Exact predicates would take a thousand times as long where two triangles are as near,
+// as they are at every second place of a surface that has a symmetry.
+using plain = CGAL::Simple_cartesian<double>;
+using plain_triangles = std::vector<plain::Triangle_3>;
+using distance_tree =
+    CGAL::AABB_tree<CGAL::AABB_traits<plain, CGAL::AABB_triangle_primitive<plain, plain_triangles::const_iterator>>>;
 
 }  // namespace
 
 struct mesh::tree {
   surface_mesh surface;
   box_tree boxes;
+  plain_triangles triangles;  // in the order of the faces
+  distance_tree distances;
   std::unique_ptr<CGAL::Side_of_triangle_mesh<surface_mesh, kernel>> side;
   triangle_grid grid;
 
@@ -67,7 +77,13 @@ mesh::mesh(const triangles& of, const std::string& name) : tree_(std::make_uniqu
   }
   tree_->boxes.insert(faces(surface).begin(), faces(surface).end(), surface);
   tree_->boxes.build();
-  tree_->boxes.accelerate_distance_queries();
+  const auto corner = [&](std::uint32_t n) {
+    return plain::Point_3(of.points[n][0], of.points[n][1], of.points[n][2]);
+  };
+  for (const auto& t : of.corners) tree_->triangles.emplace_back(corner(t[0]), corner(t[1]), corner(t[2]));
+  tree_->distances.insert(tree_->triangles.cbegin(), tree_->triangles.cend());
+  tree_->distances.build();
+  tree_->distances.accelerate_distance_queries();
   tree_->side = std::make_unique<CGAL::Side_of_triangle_mesh<surface_mesh, kernel>>(tree_->boxes);
   tree_->grid = triangle_grid(of, [&](const auto& x) { return tree_->inside({x[0], x[1], x[2]}); });
 }
@@ -80,9 +96,9 @@ bool mesh::inside(const std::array<double, 3>& x) const {
 mesh::place mesh::at(const std::array<double, 3>& x, double reach) const {
   const auto known = tree_->grid.at(x);
   if (known.distance > reach) return {known.inside ? -known.distance : known.distance, {0.0, 0.0, 1.0}};
-  const cgal_point p(x[0], x[1], x[2]);
-  const auto [nearest, face] = tree_->boxes.closest_point_and_primitive(p);
-  const auto offset = p - nearest;
+  const plain::Point_3 p(x[0], x[1], x[2]);
+  const auto [on_surface, triangle] = tree_->distances.closest_point_and_primitive(p);
+  const auto offset = p - on_surface;
   const double distance = std::sqrt(offset.squared_length());
   const double sign = inside(x) ? -1.0 : 1.0;
   if (distance > 1e-12 * size_) {
@@ -92,6 +108,8 @@ mesh::place mesh::at(const std::array<double, 3>& x, double reach) const {
   // On the surface: the normal of the triangle there, on an edge with that of its neighbour, at a corner with all
   // around.
   const auto& surface = tree_->surface;
+  const surface_mesh::Face_index face(static_cast<surface_mesh::size_type>(triangle - tree_->triangles.cbegin()));
+  const cgal_point nearest(on_surface.x(), on_surface.y(), on_surface.z());
   const double here = 1e-20 * size_ * size_;
   auto n = processing::compute_face_normal(face, surface);
   for (const auto h : CGAL::halfedges_around_face(halfedge(face, surface), surface)) {

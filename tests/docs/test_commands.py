@@ -13,6 +13,7 @@ from pathlib import Path
 THREE = Path("/usr/share/javascript/three/three.min.js")
 SOURCE, BUILD = (Path(os.environ[name]).resolve() for name in ("TETSUAME_SOURCE", "TETSUAME_BUILD"))
 STEPS, SIDE, RANKS = 3, 24, 2
+SLOW = bool(os.environ.get("TETSUAME_SLOW"))
 HEAVY = ("build", "test", "compare", "bench", "check", "docs", "package")  # commands of ./run
 ELSEWHERE = ("apt-get ", "git ", "cd ", "paraview ", "cmake ", "source ", "touch ")  # what is another program's
 QUESTIONS = ("--check", "--describe", "--theory", "--help", "--plan")
@@ -106,7 +107,8 @@ for page, least in {"README.md": 8, "README.ja.md": 3, "docs/cookbook/overturn.m
                     "docs/cookbook/table.ja.md": 1, "docs/cookbook/convection.md": 6, "docs/cookbook/convection.ja.md": 5}.items():
     def test(self, page=page, least=least):
         self.carry_out(page, least)
-    setattr(Pages, "test_" + re.sub(r"\W", "_", page), test)
+    # Those of the Japanese pages are the English ones.
+    setattr(Pages, "test_" + re.sub(r"\W", "_", page), unittest.skipUnless(SLOW or ".ja." not in page, "slow")(test))
 
 
 class Reading(unittest.TestCase):

@@ -1,4 +1,5 @@
 // Explicit steps on one rank: order, bits, work, limits, restarts and failures.
+#include <array>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <integrators/explicit_integrator.hpp>
@@ -16,7 +17,7 @@ namespace {
 //   w' = b w (1 - w),    w = 1 / (1 + (1/w_0 - 1) e^{-bt})
 struct problem {
   std::vector<double> u, w, a, b;
-  std::vector<double> earlier_u, earlier_w;  // rates that 'ab2' keeps with the particles
+  std::vector<double> earlier_u, earlier_w;  // rates that 'ab2' and 'kdk' keep with the particles
   int calls = 0;
 
   explicit problem(std::size_t n = 5) : u(n), w(n), a(n), b(n), earlier_u(n), earlier_w(n) {
@@ -72,16 +73,28 @@ explicit_options adaptive(int order, double rtol, double dt = 0.0) {
   return {.method = "adaptive", .order = order, .dt = dt, .rtol = rtol};
 }
 
+explicit_options kicked(double dt) { return {.method = "kdk", .dt = dt, .error_control = false}; }
 explicit_options stabilised(const std::string& method) { return {.method = method, .rtol = 1e-4}; }
 double radius_bound(double) { return 5.0; }  // 1/s, about twice that of the problem
 
 // All methods with a step of about 0.02, for tests that hold for each of them.
 std::vector<explicit_options> all_methods() {
-  return {fixed("euler", 0.02),   fixed("order_2", 0.02), fixed("order_3", 0.02),
-          fixed("order_4", 0.02), fixed("order_5", 0.02), adaptive(2, 1e-4),
-          adaptive(3, 1e-5),      adaptive(4, 1e-6),      adaptive(5, 1e-7),
-          fixed("ssp_rk3", 0.02), fixed("rk4", 0.02),     fixed("ab2", 0.02),
-          stabilised("rkl2"),     stabilised("rkc2"),     {.method = "rkl2", .dt = 0.02, .error_control = false}};
+  return {fixed("euler", 0.02),
+          fixed("order_2", 0.02),
+          fixed("order_3", 0.02),
+          fixed("order_4", 0.02),
+          fixed("order_5", 0.02),
+          adaptive(2, 1e-4),
+          adaptive(3, 1e-5),
+          adaptive(4, 1e-6),
+          adaptive(5, 1e-7),
+          fixed("ssp_rk3", 0.02),
+          fixed("rk4", 0.02),
+          fixed("ab2", 0.02),
+          stabilised("rkl2"),
+          stabilised("rkc2"),
+          {.method = "rkl2", .dt = 0.02, .error_control = false},
+          kicked(0.02)};
 }
 
 }  // namespace
@@ -89,13 +102,14 @@ std::vector<explicit_options> all_methods() {
 BOOST_AUTO_TEST_CASE(every_method_converges_with_its_order) {
   const std::vector<std::pair<std::string, double>> methods = {{"euler", 1},   {"order_2", 2}, {"order_3", 3},
                                                                {"order_4", 4}, {"order_5", 5}, {"ssp_rk3", 3},
-                                                               {"rk4", 4},     {"ab2", 2}};
+                                                               {"rk4", 4},     {"ab2", 2},     {"kdk", 2}};
   for (const auto& each : methods) {
     const std::string& method = each.first;
     const double order = each.second;
     const auto error_with = [&](int steps) {
       problem p;
-      explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed(method, 2.0 / steps), p.rhs());
+      explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0,
+                                     method == "kdk" ? kicked(2.0 / steps) : fixed(method, 2.0 / steps), p.rhs());
       run(integrator, 2.0);
       BOOST_CHECK_EQUAL(integrator.time(), 2.0);
       BOOST_CHECK_EQUAL(integrator.statistics().steps, steps);
@@ -137,6 +151,116 @@ BOOST_AUTO_TEST_CASE(fixed_methods_cost_what_they_should) {
     const auto besides = integrator.statistics().evaluations - 100 * each;
     BOOST_CHECK(besides == start || (method != std::string("ab2") && besides == 0));
   }
+}
+
+// A planet about a sun, GM = 1, at aphelion at first, with friction, a = -x/r^3 - drag v.
+struct orbit {
+  double drag;
+  std::vector<double> x{1.5}, y{0.0}, u{0.0}, v{std::sqrt(1.0 / 3.0)}, kept_u{0.0}, kept_v{0.0};
+  int calls = 0, refuse = 0;  // the call that cannot be evaluated
+
+  std::vector<field> fields() {
+    std::vector<field> all{{"x", x.data()}, {"y", y.data()}, {"u", u.data()}, {"v", v.data()}};
+    all[0].velocity = 2;
+    all[1].velocity = 3;
+    all[2].previous_rate = kept_u.data();
+    all[3].previous_rate = kept_v.data();
+    return all;
+  }
+  rhs_function rhs() {
+    return [this](double, std::span<double* const> rate) {
+      if (++calls == refuse) return 1;
+      const double r2 = x[0] * x[0] + y[0] * y[0], by = -1.0 / (r2 * std::sqrt(r2));
+      rate[0][0] = u[0];
+      rate[1][0] = v[0];
+      rate[2][0] = by * x[0] - drag * u[0];
+      rate[3][0] = by * y[0] - drag * v[0];
+      return 0;
+    };
+  }
+  double energy() const { return 0.5 * (u[0] * u[0] + v[0] * v[0]) - 1.0 / std::hypot(x[0], y[0]); }
+};
+constexpr double year = 6.283185307179586;
+
+BOOST_AUTO_TEST_CASE(kick_drift_kick_is_of_second_order) {
+  for (const double drag : {0.0, 0.1}) {
+    const auto end = [&](const explicit_options& how) {
+      orbit o{drag};
+      explicit_integrator integrator(MPI_COMM_SELF, o.fields(), 1, 0.0, how, o.rhs());
+      run(integrator, year);
+      return std::array{o.x[0], o.y[0], o.u[0], o.v[0]};
+    };
+    const auto exact = end(fixed("rk4", year / 20000));
+    const auto error_with = [&](int steps) {
+      const auto found = end(kicked(year / steps));
+      double most = 0.0;
+      for (std::size_t k = 0; k < 4; ++k) most = std::max(most, std::fabs(found[k] - exact[k]));
+      return most;
+    };
+    const double order = std::log2(error_with(1000) / error_with(2000));
+    BOOST_TEST_MESSAGE("drag " << drag << ": order " << order << ", error " << error_with(1000));
+    BOOST_CHECK_SMALL(order - 2.0, 0.1);
+    BOOST_CHECK_SMALL(error_with(1000), 1e-2);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(kick_drift_kick_keeps_the_energy_of_an_orbit_with_one_evaluation_a_step) {
+  const auto drift = [](const explicit_options& how, int years, int steps) {
+    orbit o{0.0};
+    const double start = o.energy();
+    explicit_integrator integrator(MPI_COMM_SELF, o.fields(), 1, 0.0, how, o.rhs());
+    run(integrator, years * year);
+    if (how.method == "kdk") BOOST_CHECK_EQUAL(o.calls, steps + 1);
+    BOOST_CHECK_EQUAL(o.calls, integrator.statistics().evaluations);
+    return std::fabs(o.energy() / start - 1.0);
+  };
+  // What is left after whole years does not grow with their number; that of a Runge-Kutta method does.
+  BOOST_CHECK_SMALL(drift(kicked(year / 200), 10, 2000), 2e-3);
+  BOOST_CHECK_SMALL(drift(kicked(year / 200), 200, 40000), 2e-3);
+  const double few = drift(fixed("order_3", year / 67), 2, 0), many = drift(fixed("order_3", year / 67), 20, 0);
+  BOOST_CHECK_GT(many, 5.0 * few);
+}
+
+BOOST_AUTO_TEST_CASE(kick_drift_kick_takes_stable_steps_and_goes_on_in_every_bit) {
+  const auto limit_of = [](orbit& o) {
+    return [&o](double) {
+      const double r = std::hypot(o.x[0], o.y[0]);
+      return step_limit{0.02 * std::sqrt(r * r * r), "orbit"};
+    };
+  };
+  const explicit_options how{.method = "kdk"};
+  orbit whole{0.05}, part{0.05};
+  explicit_integrator all(MPI_COMM_SELF, whole.fields(), 1, 0.0, how, whole.rhs(), limit_of(whole));
+  run(all, year);
+  BOOST_CHECK_EQUAL(all.statistics().limited_by.at("orbit") + all.statistics().limited_by.at("output"),
+                    all.statistics().steps);
+  explicit_memory memory;
+  {
+    explicit_integrator first(MPI_COMM_SELF, part.fields(), 1, 0.0, how, part.rhs(), limit_of(part));
+    for (int k = 0; k < 100; ++k) first.step(year);
+    memory = first.save();
+  }
+  explicit_integrator rest(MPI_COMM_SELF, part.fields(), 1, 0.0, how, part.rhs(), limit_of(part));
+  rest.restore(memory);
+  rest.prepare();  // as what follows from the state is not saved
+  run(rest, year);
+  check_same_bits(whole.x, part.x);
+  check_same_bits(whole.v, part.v);
+  BOOST_CHECK_EQUAL(rest.statistics().steps, all.statistics().steps);
+  BOOST_CHECK_EQUAL(rest.statistics().evaluations, all.statistics().evaluations);
+}
+
+BOOST_AUTO_TEST_CASE(kick_drift_kick_tries_a_shorter_step_where_a_state_cannot_be_evaluated) {
+  orbit o{0.0};
+  o.refuse = 12;
+  explicit_integrator integrator(MPI_COMM_SELF, o.fields(), 1, 0.0, {.method = "kdk"}, o.rhs(), [](double) {
+    return step_limit{0.01, "orbit"};
+  });
+  const double start = o.energy();
+  for (int k = 0; k < 40; ++k) integrator.step(1e9);
+  BOOST_CHECK_EQUAL(integrator.statistics().unevaluable, 1);
+  BOOST_CHECK_EQUAL(integrator.statistics().limited_by.at("accuracy"), 2);  // that step and the one after it
+  BOOST_CHECK_SMALL(o.energy() / start - 1.0, 1e-5);
 }
 
 BOOST_AUTO_TEST_CASE(adams_bashforth_is_the_hand_loop_and_starts_anew_after_a_short_step) {
@@ -472,6 +596,8 @@ BOOST_AUTO_TEST_CASE(bad_input_is_told_before_anything_runs) {
   BOOST_CHECK_THROW(make(adaptive(3, 1e-4), {{"u", p.u.data()}}), error);
   BOOST_CHECK_NO_THROW(make(fixed("euler", 0.1), {{"u", p.u.data()}}));
   BOOST_CHECK_THROW(make(fixed("ab2", 0.1), {{"u", p.u.data()}}), error);
+  BOOST_CHECK_THROW(make(kicked(0.1), {{"u", p.u.data()}}), error);
+  BOOST_CHECK_THROW(make({.method = "kdk"}, p.fields()), error);            // neither a step nor a limit
   BOOST_CHECK_THROW(make(fixed("rkl2", 0.1), {{"u", p.u.data()}}), error);  // its error estimate weighs
   BOOST_CHECK_THROW(make({.method = "rkl2", .error_control = false}, p.fields()), error);
 }

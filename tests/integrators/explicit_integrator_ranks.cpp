@@ -19,7 +19,7 @@ constexpr int total = 6001;
 struct swarm {
   MPI_Comm communicator;
   std::vector<int> id;
-  std::vector<double> x, v, earlier_x, earlier_v;  // the last two: rates that 'ab2' keeps
+  std::vector<double> x, v, earlier_x, earlier_v;  // the last two: rates that 'ab2' and 'kdk' keep
 
   swarm(MPI_Comm c, int way) : communicator(c), id(spread(c, total, way)) {
     for (int k : id) {
@@ -86,9 +86,10 @@ BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks_and_threads_and_through_migration) {
   const explicit_options adaptive{.method = "adaptive", .order = 3, .dt = 0.5, .rtol = 1e-5};
   const explicit_options high{.method = "adaptive", .order = 5, .rtol = 1e-9};
   const explicit_options ab2{.method = "ab2", .dt = 0.01};
+  const explicit_options kdk{.method = "kdk", .dt = 0.01, .error_control = false};
   const explicit_options rkl2{.method = "rkl2", .dt = 0.5, .rtol = 1e-5};
   const explicit_options rkc2{.method = "rkc2", .rtol = 1e-6};
-  for (const auto& options : {euler, adaptive, high, ab2, rkl2, rkc2}) {
+  for (const auto& options : {euler, adaptive, high, ab2, kdk, rkl2, rkc2}) {
     omp_set_num_threads(1);
     const auto alone = outcome(MPI_COMM_SELF, options, {0, 0, 0});
     if (options.dt == 0.5) BOOST_CHECK_GT(alone.back(), 0.0);  // rejections are among what agrees

@@ -10,7 +10,7 @@ using planet::structure_input, planet::temperature_law, planet::profile;
 
 namespace {
 
-constexpr double pi = std::numbers::pi, G = planet::gravitational_constant;
+using planet::G, planet::pi;
 
 eos::any tillotson(const char* material, double heat_capacity) {
   eos::material_options m{.name = "tillotson", .tillotson = material};

@@ -139,6 +139,7 @@ class Flow(Case):
         still = 1e3 * 100 * gH / 7 * ((1 + 6 * gd / (100 * gH)) ** (7 / 6) - 1)
         return (abs(p - still) / (1e3 * gH))[y < 0.8].max()
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_oblique_floor(self):
         """At these angles to the lattice: 0.1 per cent; with Wendland's C2 kernel of 1.5 dx 12 per cent, and where wall particles followed the
         floor 47 per cent at 5 degrees."""
@@ -198,6 +199,7 @@ class Flow(Case):
         self.assertEqual(header, ["step [1]", "time [s]", "semi_axis_x [m]", "semi_axis_y [m]"])
         self.assertEqual(len(rows), s["steps"] + 1)  # with the start
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_oscillating_drop(self):
         """Sixteen particles a radius, for five periods with a speed of sound that is not the input's: period and decay (which with particles that
         drift is a fifth to a half too small), the pressure within, and the energies in the history."""
@@ -215,6 +217,7 @@ class Flow(Case):
         header, rows = result.rows("history.csv")
         self.assertAlmostEqual(float(rows[0][header.index("surface_energy [J]")]) / (0.072 * 6.283e-3), 1, delta=0.06)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_rotating_drop(self):
         """Half a turn: friction takes nothing of a solid's rotation, and surface tension must not. Particles that drift took 1.5 to 5 per cent of
         the angular momentum, and left velocities that were off by 8 to 17 per cent of the rim's."""
@@ -294,13 +297,13 @@ class Flow(Case):
 
     def test_ranks_and_restart(self):
         for form, settings, steps in [
-                (FLAT, {"time.steps": 60}, 25), (FLAT, {"time.steps": 60, "flow.scheme": "riemann"}, 25),
+                (FLAT, {"time.steps": 30}, 13), (FLAT, {"time.steps": 30, "flow.scheme": "riemann"}, 13),
                 (DEEP, {"time.steps": 12, "walls.slip": "no_slip"}, 5),
                 (DEEP, {"time.steps": 12, "walls.slip": "no_slip", "flow.scheme": "riemann"}, 5)]:
             with self.subTest(**form):
                 self.assert_exact("flow", self.small(form), {**settings, "output.interval": 0}, steps, [(3, 1), (2, 2)])
         for name, settings, steps in [
-                ("still_wedge", {**WEDGE, "flow.high_x": 0.8, "time.steps": 60, "walls.slip": "no_slip"}, 25),
+                ("still_wedge", {**WEDGE, "flow.high_x": 0.8, "time.steps": 30, "walls.slip": "no_slip"}, 13),
                 ("bowl", {"domain.particles_x": 24, "domain.particles_y": 20, "domain.particles_z": 24, "output.interval": 0,
                           "time.steps": 12}, 5)]:
             with self.subTest(name):
@@ -309,15 +312,15 @@ class Flow(Case):
         self.assert_exact("flow", "elliptical_drop", settings, 11, [(3, 1)])
 
     def test_ranks_and_restart_with_surface_tension(self):
-        drop = {"domain.particles_x": 36, "domain.particles_y": 36, "output.interval": 0, "time.steps": 30}
+        drop = {"domain.particles_x": 36, "domain.particles_y": 36, "output.interval": 0, "time.steps": 16}
         tense = {"flow.surface_tension": 0.072, "output.interval": 0}
         for name, settings, steps in [
-                ("oscillating_drop", drop, 11), ("oscillating_drop", {**drop, "kernel.precision": "single"}, 11),
-                ("oscillating_drop", {**drop, "flow.scheme": "riemann", "flow.alpha": 0, "flow.sound_speed": 10}, 11),
+                ("oscillating_drop", drop, 7), ("oscillating_drop", {**drop, "kernel.precision": "single"}, 7),
+                ("oscillating_drop", {**drop, "flow.scheme": "riemann", "flow.alpha": 0, "flow.sound_speed": 10}, 7),
                 ("oscillating_drop", {**drop, "domain.dimension": 3, "domain.length_z": 3e-3, "domain.particles_z": 24, "flow.low_z": 0.5e-3,
                                       "flow.high_z": 2.5e-3, "domain.particles_x": 24, "domain.particles_y": 24, "time.steps": 8}, 3),
                 (self.small(DEEP), {**tense, "time.steps": 8, "walls.slip": "no_slip"}, 3),
-                ("still_wedge", {**WEDGE, **tense, "flow.high_x": 0.8, "time.steps": 40}, 15)]:
+                ("still_wedge", {**WEDGE, **tense, "flow.high_x": 0.8, "time.steps": 20}, 9)]:
             with self.subTest(name, **settings):
                 self.assert_exact("flow", name, settings, steps, [(3, 1)])
 
@@ -368,6 +371,7 @@ class Flow(Case):
     def summary_in(self, directory):
         return Result(0, "", "", directory).summary
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_building(self):
         """The shipped surface is what the command writes; the program takes it, and one of other numbers."""
         write = lambda *options: subprocess.run([sys.executable, "-m", "tetsuame", "building", *map(str, options)], check=True,

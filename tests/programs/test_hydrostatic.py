@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from running import CALCULATION_FAILED, Case
+from running import CALCULATION_FAILED, SLOW, Case
 
 QUIET = {"output.interval": 0}
 
@@ -171,6 +171,7 @@ class Column(Case):
                     self.assertLess(abs(c["momentum"]), 5e-7)
                     self.assertLess(abs(c["energy"]), 1e-8)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_fall_onto_the_floor(self):
         """From uniform pressure the column falls by a spacing. Without a force of the walls themselves 46 particles pass them."""
         settings = {**steps(1200), "initial.profile": "uniform", "initial.pressure": 3e10, "gravity.g": 100, "material.viscosity": 1e10,
@@ -184,6 +185,7 @@ class Column(Case):
 
 
 class Disorder(Case):
+    @unittest.skipUnless(SLOW, "slow")
     def test_a_settled_column_stays(self):
         """From a lattice displaced by 15 % that settles in 60 crossings of sound, a liquid with next to no viscosity and 1e5 Pa at its top: after 30
         more C and F, tied, stand, and their pressure is that at each particle's place to 1 % of the floor's (root mean square). As the noise of the

@@ -5,7 +5,7 @@ import math
 import h5py
 import unittest
 
-from running import BAD_INPUT, CALCULATION_FAILED, Case
+from running import BAD_INPUT, CALCULATION_FAILED, SLOW, Case
 
 # A channel 0.4 m long with 0.1 m of water that runs at 1.5 m/s, 1.5 times as fast as its waves.
 CHANNEL = """&domain length_x = 0.4 length_y = 0.2 particles_x = 40 particles_y = 20 {domain} /
@@ -84,10 +84,12 @@ class InflowOutflow(Case):
         s = self.assert_exact("flow", self.channel(**changing), {"domain.balance": "counted"}, 60, [(2, 1), (3, 2)])
         self.assert_mass_is_known(s)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_same_on_ranks_with_error_control(self):
         s = self.assert_exact("flow", self.channel(time="method = 'adaptive'", t_end=0.15), {}, 20, [(3, 1)])
         self.assertGreater(s["metrics"]["particles_in"], 0)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_same_on_ranks_in_three_dimensions(self):
         """From the right to the left, and through a part of the side; the box is periodic across."""
         deep = self.channel(**DEEP, velocity="1.0", inflow="low_y = 0.02", t_end=0.06)

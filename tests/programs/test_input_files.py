@@ -25,7 +25,7 @@ LAYER = """&domain length_x = 2.0 length_y = 1.0 particles_x = 32 particles_y = 
 &time t_end = 1e9 steps = 2 /
 """
 VISCOSITY = "300 0 1e3\n300 1 1e3\n350 0 1e2\n350 1 1e2\n"
-SURFACE = """&domain dimension = 3 length_x = 1.2 length_y = 1.0 length_z = 0.6 particles_x = 24 particles_y = 20 particles_z = 12 /
+SURFACE = """&domain dimension = 3 length_x = 1.2 length_y = 1.0 length_z = 0.6 particles_x = 12 particles_y = 10 particles_z = 6 /
 &flow high_x = 0.5 high_y = 0.7 sound_factor = 15.0 around_bodies = .true. /
 &solids body = 'tank' shape = 'file' file = 'tank.stl' solid = 'outside' centre_x = 0.6 centre_y = 0.5 centre_z = 0.3
   angle_z = 20.0 /

@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from running import BAD_INPUT, COMPLETED, Case
+from running import BAD_INPUT, COMPLETED, SLOW, Case
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "programs" / "python"))
 import tetsuame  # noqa: E402
@@ -90,6 +90,7 @@ class Materials(Case):
                 self.assertLess(abs(settled["centroid_sulfide"] - metrics["centroid_sulfide"]), 0.1 / N)  # a tenth of a spacing
         self.assertLess(metrics["equilibrium_residual"], 0.35)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_they_turn_over_into_the_order_of_their_densities(self):
         """Heavy over light over medium: at the end the heavy one lies lowest, and the light one highest."""
         text = RTI + PROGRAMS + SULFIDE + layers("sulfide", "lower", "upper") + "&region material = 'upper' condition = 'y > 9e5 + 5e4*cos(2*pi*x/length_x)' /\n"

@@ -94,6 +94,7 @@ class Precision(Case):
                 kept = self.run_program(program, name, {**settings, "time.steps": steps, "output.interval": 0}).summary["conservation"]
                 self.assertLess(abs(kept["momentum"]), 2e-11 * steps)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_figures_are_those_of_double(self):
         for program, (name, settings, figures) in FIGURES.items():
             with self.subTest(program):

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from running import BAD_INPUT, Case
+from running import BAD_INPUT, SLOW, Case
 
 # A disc in the air, far above shallow water: nothing but springs, dampers and its weight act on it. 4 kg/m, 0.02 kg m.
 AIR = """&domain length_x = 1 length_y = 1.2 particles_x = 40 particles_y = 48 /
@@ -100,6 +100,7 @@ class Restrained(Case):
             self.assertAlmostEqual(z, -0.03 * (1 - math.cos(20 * t)), delta=1e-5)
         self.assertEqual(set(columns["motion_1_y"]), {0.0})
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_added_mass(self):
         """Potential flow about a cylinder in the middle of this tank, by boundary elements (1000 panels a side): added mass 1.0944 along y and
         1.1602 along x, over the water displaced; far from walls it is 1. Measured within 1 % of the period, 3 to 4 % of that mass, at 4 to 8

@@ -230,6 +230,7 @@ class Slowed(Case):
                 self.assertTrue(least < physical < most, physical)
                 self.assertLess(abs(slowed), 0.01)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_other_volumes(self):
         """Density by continuity, and each liquid with its own inertia."""
         for change in [{"rti.volume": "our_method"}, {"rti.xi": 1, "rti.xi_lower": 60, "rti.xi_upper": 40}]:
@@ -237,6 +238,7 @@ class Slowed(Case):
                 _, slowed = self.growth(LINEAR, {**self.STIFF, "rti.zeta": 3.7, "rti.xi": 29, **change})
                 self.assertLess(abs(slowed), 0.01)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_programs(self):
         """The notes' schemes: what inertia takes from growth is what theory says, beside the viscous sum's error on the lattice (a tenth here),
         which either run has."""
@@ -255,6 +257,7 @@ class Slowed(Case):
         m = self.run_program("disph_a", NOTE, {**settings, "rti.zeta": 12, "time.cfl": 0.1}).summary["metrics"]
         self.assertLess(m["hosono_kappa"], 2)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_ranks_threads_restart(self):
         self.assert_exact("disph_c", NOTE, {**size(20), "time.steps": 20, "output.interval": 0, "rti.zeta": 1.5, "rti.xi": 3}, 10, [(3, 1)])
         for name, more in [(NOTE, {}), (POSTER, {"rti.rows": "lattice"})]:

@@ -6,7 +6,7 @@ import unittest
 import h5py
 import numpy
 
-from running import BAD_INPUT, Case
+from running import BAD_INPUT, SLOW, Case
 
 BOX = """&domain length_x = 1.5e6 length_y = 1.5e6 particles_x = {n} particles_y = {n} /
 &rti density_upper = {metal} density_lower = 3000.0 bulk_modulus = 5e11 viscosity_upper = 6e11 viscosity_lower = 6e11
@@ -32,6 +32,7 @@ class BodiesInTwoFluids(Case):
         with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
             return {name: values[:] for name, values in file["PartType0"].items()}
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_rest(self):
         """One liquid at rest stays so about bodies. The weight carried from a marker to its wall particle takes the liquid for
         incompressible, and so is off by (rho g d)^2/(2 K) over d of up to two kernel supports, 5e-4 of rho g L here; the lattice

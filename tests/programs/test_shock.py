@@ -376,6 +376,24 @@ class Shock(Case):
             with self.subTest(name):
                 self.assert_exact("shock", "sod", {**settings, **FORMS[name]}, 10, [(2, 1)])
 
+    def test_kick_drift_kick(self):
+        """Errors of the shock tube are those of Runge-Kutta's method with three times as many evaluations; the same on ranks, over a
+        restart, and from a checkpoint of another method."""
+        for scheme in ("disph", "gsph", "remix") if SLOW else ("disph", "remix"):
+            with self.subTest(scheme):
+                by_error, kdk = (self.summary("sod", {"domain.particles_x": 200, "shock.scheme": scheme, "time.method": method}) for method in ("adaptive", "kdk"))
+                self.assertLess(kdk["errors"]["density_l1"], 1.05 * by_error["errors"]["density_l1"])
+                self.assertLess(abs(kdk["conservation"]["energy"]), 2e-3)
+                self.assertLess(kdk["rhs_evaluations"], 0.6 * by_error["rhs_evaluations"])
+                settings = {"domain.dimension": 2, "domain.particles_x": 64, "domain.particles_y": 16, "domain.periodic_y": "T",
+                            "kernel.skin": 0.5, "time.t_end": 0.04, "time.method": "kdk", "shock.scheme": scheme}
+                self.assert_exact("shock", "sod", settings, 10, [(3, 2)])
+        self.run_program("shock", "sod", {**settings, "time.method": "adaptive", "time.steps": 10}, "changes")
+        changed = self.run_program("shock", "sod", settings, "changes", ["--restart", "latest"]).summary
+        self.assertGreater(changed["steps"], 10)
+        refused = self.call("shock", *self.arguments("sod", {"shock.scheme": "disph", "shock.weight": "power", "time.method": "kdk"}, self.here / "no"))
+        self.assert_says(refused, BAD_INPUT, "&time method", "kdk")
+
     def decay(self, result):
         """Of the velocity, 1/s: half of that of the kinetic energy."""
         header, rows = result.rows()

@@ -6,7 +6,7 @@ import unittest
 import h5py
 import numpy as np
 
-from running import BAD_INPUT, CALCULATION_FAILED, Case
+from running import BAD_INPUT, CALCULATION_FAILED, SLOW, Case
 
 AT_REST = "&domain length_x = 1e5 length_y = 1e5 particles_x = 12 particles_y = 12 periodic_x = .true. periodic_y = .true. /\n" \
     "&initial temperature = 2500 pressure = 1e10 /\n&material eos = 'linear' reference_density = 7000 bulk_modulus = 1e11 " \
@@ -146,6 +146,7 @@ class Sources(Case):
         self.assertLess(np.abs(moved[:, 1].mean() - 0.5 * 0.5**2), 1e-3)
         self.assertLess(abs(run.summary["metrics"]["energy_residual"]), 1e-2)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_a_tank_that_is_shaken(self):
         """Heights at two gauges against linear theory (docs/theory/sources.md), of the first nine modes, and against the tank that moves by the
         same way. The program's own period is 1.8 % short and its waves lose height (studies, bodies that move): in two periods, with

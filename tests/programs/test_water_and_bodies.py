@@ -108,6 +108,7 @@ class Bodies(Case):
         self.assertEqual((g["force_1_x"][-1], g["force_1_y"][-1], g["moment_1"][-1]), (0.0, 0.0, 0.0))
         self.assertGreater(g["front"][-1], 1.0)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_heave(self):
         """A cylinder of half the water's density, ten spacings a radius, let go a fifth of its radius above its draught, beside linear theory in this
         tank: boundary elements in time, half a period of which the waves of its walls come back in."""
@@ -165,6 +166,7 @@ class Bodies(Case):
         weight = density * 9.81 * (4 / 3 * math.pi * 0.12**3 if ball else 0.32 * 0.24)
         self.assertLess(abs(force / weight - 1), 0.05)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_light_bodies_float(self):
         """However much lighter than the water that they push away."""
         for density, how in [(1, {}), (100, {"t": 2.0}), (900, {"t": 2.0}), (1, {"scheme": "riemann"}), (20000, {})]:
@@ -189,6 +191,7 @@ class Bodies(Case):
         result = self.run_program("flow", self.gate(table), expect=CALCULATION_FAILED)
         self.assert_says(result, CALCULATION_FAILED, "body 'gate' moved", "within one step")
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_sloshing(self):
         """Twenty by ten particles in the tank: its period, and what the tank pushed the water by."""
         result = self.run_program("flow", "sloshing", {"domain.particles_x": 40, "domain.particles_y": 20, "output.interval": 0,
@@ -207,12 +210,12 @@ class Bodies(Case):
         self.assertLess(abs(sum(g["force_1_y"][n] for n in free) / len(free) / -weight - 1), 0.01)
 
     def test_ranks_and_restart(self):
-        self.assert_exact("flow", self.gate(TABLE.replace("0.05,", "0.001,")), {"time.steps": 120}, 55, [(3, 1), (2, 2)])
+        self.assert_exact("flow", self.gate(TABLE.replace("0.05,", "0.001,")), {"time.steps": 60}, 25, [(3, 1), (2, 2)])
         # It turns, above where it would float.
-        settings = {**FLOAT, "solids.angle_z": 15, "solids.centre_y": 0.43, "walls.slip": "no_slip", "time.steps": 120}
-        whole = self.assert_exact("flow", "floating_box", settings, 55, [(3, 1), (2, 2)])
+        settings = {**FLOAT, "solids.angle_z": 15, "solids.centre_y": 0.43, "walls.slip": "no_slip", "time.steps": 60}
+        whole = self.assert_exact("flow", "floating_box", settings, 25, [(3, 1), (2, 2)])
         self.assertGreater(abs(whole["metrics"]["angle_1_last"]), 0.01)
-        self.assert_exact("flow", "floating_box", {**settings, "time.method": "adaptive", "time.steps": 40}, 15, [(3, 1)])
+        self.assert_exact("flow", "floating_box", {**settings, "time.method": "adaptive", "time.steps": 24}, 11, [(3, 1)])
         path = self.here / "ball.nml"
         path.write_text(BALL)
         whole = self.assert_exact("flow", path, {"time.steps": 24}, 11, [(3, 1), (2, 2)])
@@ -230,6 +233,7 @@ class Bodies(Case):
             self.assertAlmostEqual(m[f"{name}_impulse_reference"] / m[f"{name}_impulse"], 1, delta=0.02)
         self.assertNotIn("force_1_y_mean_error", m)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_momentum_of_an_entry(self):
         """A bar that falls askew into water between periodic sides: what one gains the other loses, and the impulse
         of the force is the bar's momentum."""

@@ -195,6 +195,7 @@ void declare(namelist::schema& schema, options& o) {
   sources::declare(schema, {.temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
+                .keeps_kicks = true,
                 .kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,
                 .starts_from_file = true,
@@ -289,6 +290,8 @@ void resolve_materials(const namelist::schema& schema, options& o) {
 
 void check_form(const namelist::schema& schema, const options& o) {
   const auto& s = o.shock;
+  if (o.common.time.method == "kdk" && o.weighs_power())
+    schema.fail("time", "method", "'kdk' has no state of which the weights of weight = 'power' could follow");
   if (o.integral() && !o.density_based())
     schema.fail("shock", "gradients", "'integral' is of the schemes 'ssph' and 'gdf'");
   if (!o.conducts()) return;
@@ -346,8 +349,12 @@ bool fits_single(const options& o) {
   return thin >= 1e-9 && dense <= 1e9 && most >= 1e-12 && most <= 1e15;
 }
 
-// Single precision, where it is the default alone, leaves the square, which is to stay to the last bit, to double; and
-// gases whose numbers it does not hold.
+}  // namespace
+
+void choose_cfl(run::time_options& o) {
+  if (!o.cfl) o.cfl = o.method == "euler" ? 0.1 : o.method == "kdk" ? 0.25 : 0.4;
+}
+
 void choose_precision(const namelist::schema& schema, options& o) {
   auto& kernel = o.common.kernel;
   if (!kernel.single_pairs()) return;
@@ -363,6 +370,8 @@ void choose_precision(const namelist::schema& schema, options& o) {
   if (o.evolves_density()) schema.fail("kernel", "precision", "the scheme 'remix' computes pairs in double precision");
   if (exact) schema.fail("kernel", "precision", "solver = 'exact' iterates in double precision: 'single' needs 'hllc'");
 }
+
+namespace {
 
 void resolve_regions(const namelist::schema& schema, options& o) {
   o.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
@@ -433,7 +442,7 @@ void check_start(const options& o, const setup& t) {
 }  // namespace
 
 void resolve(const namelist::schema& schema, options& o) {
-  if (!o.common.time.cfl) o.common.time.cfl = o.common.time.method == "euler" ? 0.1 : 0.4;
+  choose_cfl(o.common.time);
   run::resolve(schema, o.common);
   resolve_materials(schema, o);
   resolve_box(schema, o);

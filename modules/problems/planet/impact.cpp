@@ -9,7 +9,6 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <gas/setup_parts.hpp>
-#include <numbers>
 #include <planet/impact.hpp>
 #include <planet/profile.hpp>
 #include <planet/sums.hpp>
@@ -20,7 +19,6 @@ namespace tetsuame::planet {
 namespace {
 
 using gas::point, gas::view;
-constexpr double pi = std::numbers::pi, G = gravitational_constant;
 
 double dot(const point& a, const point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 double size(const point& a) { return std::sqrt(dot(a, a)); }

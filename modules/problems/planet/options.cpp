@@ -7,7 +7,6 @@
 #include <gravity/options.hpp>
 #include <namelist/lists.hpp>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <planet/options.hpp>
 
 namespace tetsuame::planet {
@@ -154,13 +153,13 @@ void fill_engine(options& o) {
     L = 2.0 * (target.radius + impactor.radius + std::hypot(start.place[0], start.place[1]));
     R3 = std::pow(target.radius, 3) + std::pow(impactor.radius, 3);
   }
-  const double dx = std::cbrt(4.0 * std::numbers::pi / 3.0 / static_cast<double>(o.number_of_particles()) * R3);
+  const double dx = std::cbrt(4.0 * pi / 3.0 / static_cast<double>(o.number_of_particles()) * R3);
   d.dimension = 3;
   d.open = {true, true, true};
   d.particles.fill(std::llround(L / dx));
   d.length.fill(L);
   gravity::tree_options tree;
-  tree.gravitational_constant = gravitational_constant;
+  tree.gravitational_constant = G;
   tree.opening = o.opening;
   tree.tolerance = o.tolerance;
   g.self_gravity = tree;
@@ -222,7 +221,7 @@ void check_rotation(const namelist::schema& schema, const options& o) {
         schema.fail("planet", key, "is that of a start which settles: the snapshot has a motion of its own");
   if (!o.spin_period) return;
   const double R = o.structure->radius(), M = o.structure->mass();
-  const double shortest = 2.0 * std::numbers::pi * std::sqrt(R * R * R / (gravitational_constant * M));
+  const double shortest = 2.0 * pi * std::sqrt(R * R * R / (G * M));
   if (*o.spin_period < shortest)
     schema.fail(
         "planet", "spin_period",
@@ -233,10 +232,11 @@ void check_rotation(const namelist::schema& schema, const options& o) {
 
 void declare(namelist::schema& schema, options& o) {
   auto& common = o.gas.common;
-  common.time.method = "adaptive";
+  common.time.method = "kdk";
   common.time.rtol = 0.02;
   common.kernel.name = "wendland_c4";
   common.kernel.skin = 0.5;
+  common.kernel.precision = "single";
   common.start.settle = 6.0;
   const gravity::tree_options tree;
   o.opening = tree.opening;
@@ -251,7 +251,9 @@ void declare(namelist::schema& schema, options& o) {
       namelist::changing(between(
           0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the planet's shape suggests")));
   run::declare(schema, common,
-               {.kernels = {"quintic", "wendland_c4"},
+               {.single_pairs = true,
+                .keeps_kicks = true,
+                .kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,
                 .starts_from_file = true,
                 .settles = true,
@@ -260,7 +262,7 @@ void declare(namelist::schema& schema, options& o) {
 
 void resolve(const namelist::schema& schema, options& o) {
   auto& g = o.gas;
-  if (!g.common.time.cfl) g.common.time.cfl = g.common.time.method == "euler" ? 0.1 : 0.4;
+  gas::choose_cfl(g.common.time);
   run::resolve(schema, g.common);
   resolve_layers(schema, o);
   if (o.impact.is_asked_for()) {
@@ -271,6 +273,7 @@ void resolve(const namelist::schema& schema, options& o) {
     check_rotation(schema, o);
   }
   fill_engine(o);
+  gas::choose_precision(schema, g);
   g.domain.ranks_x.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
   if (!g.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
   std::vector<std::string> fields{"InternalEnergy", "GravitationalPotential"};

@@ -11,7 +11,6 @@
 #include <eos/caloric.hpp>
 #include <foundation/error.hpp>
 #include <functional>
-#include <numbers>
 #include <optional>
 #include <planet/profile.hpp>
 
@@ -19,7 +18,6 @@ namespace tetsuame::planet {
 
 namespace {
 
-constexpr double pi = std::numbers::pi, G = gravitational_constant;
 constexpr int levels_per_layer = 400;        // at least
 constexpr double integration_error = 1e-10;  // of a step, relative
 

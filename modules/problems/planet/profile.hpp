@@ -5,12 +5,14 @@
 #pragma once
 
 #include <eos/eos.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
 namespace tetsuame::planet {
 
-inline constexpr double gravitational_constant = 6.67408e-11;  // m³/(kg s²), CODATA 2014
+inline constexpr double pi = std::numbers::pi;
+inline constexpr double G = 6.67408e-11;  // m³/(kg s²), gravitational constant [CODATA 2014]
 
 enum class temperature_law { isothermal, power, adiabatic };
 

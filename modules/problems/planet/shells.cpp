@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <foundation/error.hpp>
-#include <numbers>
 #include <planet/shells.hpp>
 #include <random>
 
@@ -11,7 +10,6 @@ namespace tetsuame::planet {
 namespace {
 
 using vector = std::array<double, 3>;
-constexpr double pi = std::numbers::pi;
 
 // A rotation that any direction is as likely to result of [K. Shoemake, Graphics Gems III, 124 (1992)].
 std::array<vector, 3> random_rotation(std::mt19937_64& bits) {

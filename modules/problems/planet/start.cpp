@@ -4,7 +4,6 @@
 #include <functional>
 #include <gas/setup_parts.hpp>
 #include <memory>
-#include <numbers>
 #include <planet/options.hpp>
 #include <planet/shells.hpp>
 #include <planet/sums.hpp>
@@ -75,7 +74,7 @@ gas::setup start_of(const options& o) {
   const double R = planet->radius(), M = planet->mass();
   const point centre{R, R, R};
   gas::setup t;
-  const double spin = o.spin_period ? 2.0 * std::numbers::pi / *o.spin_period : 0.0;
+  const double spin = o.spin_period ? 2.0 * pi / *o.spin_period : 0.0;
   t.turns = {spin, o.expansion, centre};
   for (const auto& p : on_shells(*planet, o.names, o.particles)) {
     const point x{centre[0] + p.x[0], centre[1] + p.x[1], centre[2] + p.x[2]};
@@ -86,7 +85,7 @@ gas::setup start_of(const options& o) {
   }
   const std::int32_t core = o.material_of(0);
   const bool layered = planet->layers().size() > 1;
-  const double escape = std::sqrt(2.0 * gravitational_constant * M / R);  // m/s
+  const double escape = std::sqrt(2.0 * G * M / R);  // m/s
   t.scales = {M * escape, M * R * escape};
   t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(mean_square_speed(w)); }},
               {"radius_rms", "m", [](const view& w) {

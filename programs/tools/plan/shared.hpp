@@ -16,7 +16,7 @@ namespace tetsuame::plan {
 using json = nlohmann::ordered_json;
 
 // Right-hand sides a step of the methods of &time with fixed steps.
-inline const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"order_2", 2}, {"ssp_rk3", 3},
+inline const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"kdk", 1}, {"order_2", 2}, {"ssp_rk3", 3},
                                                        {"order_3", 3}, {"rk4", 4}, {"order_4", 5}, {"order_5", 6}};
 
 struct shared_options {
