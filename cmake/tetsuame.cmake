@@ -27,7 +27,7 @@ add_library(tetsuame_options INTERFACE)
 # -ffp-contract=off: a value must have the same bits wherever it stands in an array, so
 # in the modules the compiler may not fuse differently in a loop's body and tail.
 target_compile_options(tetsuame_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi
+  -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow> -Wno-psabi
   $<$<BOOL:${TETSUAME_ARCH}>:-march=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>,x86-64-v4,${TETSUAME_ARCH}>> -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
 # g++ 12 takes the undefined operands inside its own AVX-512 intrinsics for uninitialised variables.
 target_compile_options(tetsuame_options INTERFACE
@@ -111,7 +111,7 @@ function(tetsuame_module name)
     set(scope PUBLIC)
     add_library(${name} STATIC ${arg_SOURCES})
     share_headers(${name})
-    # Builds for debugging, and the linter, read every source by itself.
+    # Builds for debugging, and the linter, read every source by itself, and warn of names in it that hide others of it.
     if(TETSUAME_UNITY AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
       set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
     endif()
