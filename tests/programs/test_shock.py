@@ -377,8 +377,8 @@ class Shock(Case):
                 self.assert_exact("shock", "sod", {**settings, **FORMS[name]}, 10, [(2, 1)])
 
     def test_kick_drift_kick(self):
-        """Errors of the shock tube are those of Runge-Kutta's method with three times as many evaluations; the same on ranks, over a
-        restart, and from a checkpoint of another method."""
+        """Errors of the shock tube are those of Runge-Kutta's method with twice as many evaluations; the same bits on ranks and over a
+        restart; a checkpoint of another method goes on."""
         for scheme in ("disph", "gsph", "remix") if SLOW else ("disph", "remix"):
             with self.subTest(scheme):
                 by_error, kdk = (self.summary("sod", {"domain.particles_x": 200, "shock.scheme": scheme, "time.method": method}) for method in ("adaptive", "kdk"))
