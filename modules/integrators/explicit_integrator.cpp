@@ -349,30 +349,19 @@ struct explicit_integrator::implementation {
     return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
   }
 
-  void expect_positive(const step_limit& stable) const {
-    if (!(stable.dt > 0.0))
-      fail_calculation(
-          fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
-  }
-
   plan choose(double t_stop, const std::string& stop_is) {
-    if (is_kdk && adaptive) {
-      expect_positive(stable_step);
-      plan p{stable_step.dt, stable_step.name, false, false};
-      if (statistics.next_dt < p.dt) p = {statistics.next_dt, "accuracy", false, false};
-      cut_for_stop(t_stop, stop_is, p);
-      return p;
-    }
     if (!adaptive) {
       if (is_stabilised) know_radius();
       return choose_fixed(t_stop, stop_is);
     }
-    if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
+    if (statistics.next_dt == 0.0 && !is_kdk) statistics.next_dt = first_dt(t_stop);
     plan p{statistics.next_dt, "accuracy", false, false};
     if (limit) {
-      const step_limit stable = limit(t);
-      expect_positive(stable);
-      if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
+      const step_limit stable = is_kdk ? stable_step : limit(t);
+      if (!(stable.dt > 0.0))
+        fail_calculation(
+            fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
+      if (stable.dt <= p.dt) p = {stable.dt, stable.name, false, false};
     }
     if (is_stabilised) {
       know_radius();

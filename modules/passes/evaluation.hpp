@@ -62,14 +62,17 @@ class evaluation {
 
   // ---- declarations -----------------------------------------------------------------------
 
-  // Before what is integrated: the rates of all but positions are kept, for methods that evaluate once a step ('kdk').
-  void keep_rates() { keeps_rates_ = true; }
+  // Before what is integrated: whose rates of the step before are kept, for methods of time integration that need them;
+  // 'ab2' those of all, 'kdk' those of all but positions.
+  enum class kept { none, all_but_positions, all };
+  void keep_rates(kept which) { kept_rates_ = which; }
   // In the order of the rates.
   // Returns its place among these.
   std::size_t integrate(field& f, integrated about) {
     known_.integrated.add({f});
     auto& s = box_.w.s;
-    if (keeps_rates_ && std::ranges::none_of(s.x, [&](const field& x) { return &x == &f; }))
+    const bool is_position = std::ranges::any_of(s.x, [&](const field& x) { return &x == &f; });
+    if (kept_rates_ == kept::all || (kept_rates_ == kept::all_but_positions && !is_position))
       about.previous_rate =
           &particles::declare(s, "EarlierRate_" + std::to_string(states_.size()), "", particles::role::memory);
     states_.push_back({&f, nullptr, std::move(about)});
@@ -275,7 +278,7 @@ class evaluation {
   };
   run::state<D>& box_;
   std::vector<state_field> states_;
-  bool keeps_rates_ = false;
+  kept kept_rates_ = kept::none;
   known_fields known_;
   walls::mirrored_fields parities_;
   std::vector<pass> list_;

@@ -99,16 +99,16 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
   std::vector<std::string> methods{"euler", "order_2", "order_3", "order_4", "order_5", "ssp_rk3", "rk4"};
   if (of_problem.diffuses) methods.insert(methods.end(), {"rkl2", "rkc2"});
   methods.emplace_back("adaptive");
-  if (of_problem.keeps_rate) methods.emplace_back("ab2");
-  if (of_problem.keeps_kicks) methods.emplace_back("kdk");
+  methods.insert(methods.end(), of_problem.keeping.begin(), of_problem.keeping.end());
+  const bool has_kdk = std::ranges::count(methods, "kdk") > 0;
   const std::string stabilised = of_problem.diffuses ? "; rkl2, rkc2: stabilised for diffusion" : "";
-  schema.add("time", "method", o.method,
-             {.choices = methods,
-              .may_change = true,
-              .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control" +
-                         (of_problem.keeps_kicks
-                              ? "; kdk: kick-drift-kick (leapfrog), one evaluation a step, of the length that is stable"
-                              : "")});
+  schema.add(
+      "time", "method", o.method,
+      {.choices = methods,
+       .may_change = true,
+       .meaning =
+           "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control" +
+           (has_kdk ? "; kdk: kick-drift-kick (leapfrog), one evaluation a step, of the length that is stable" : "")});
   schema.add("time", "order", o.order,
              {.minimum = 2,
               .maximum = 5,
@@ -200,8 +200,9 @@ bool time_options::counts_steps(double output_interval) const {
 }
 
 bool time_options::controls_error() const {
-  return method == "adaptive" || (method == "kdk" && !dt) || ((method == "rkl2" || method == "rkc2") && error_control);
+  return method == "adaptive" || ((method == "rkl2" || method == "rkc2") && error_control);
 }
+bool time_options::varies_steps() const { return controls_error() || (method == "kdk" && !dt); }
 
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
   if (of_problem.starts_from_file) declare(schema, o.start, of_problem);

@@ -29,6 +29,7 @@ struct time_options {
   bool counts_steps(double output_interval) const;
   // Whether steps follow from an error estimate, so that a state may be refused.
   bool controls_error() const;
+  bool varies_steps() const;  // by their error, or to what is stable
 };
 
 struct kernel_options {
@@ -89,8 +90,7 @@ struct abilities {
   bool particles = true;                  // a kernel and cuts between ranks are worth choosing
   bool single_pairs = false;              // its sums can be computed in single precision
   bool lists_change = true;               // particles move: a skin is worth choosing
-  bool keeps_rate = false;                // it has arrays for the rate of the step before, which 'ab2' needs
-  bool keeps_kicks = false;               // and for those of all but positions, which 'kdk' needs
+  std::vector<std::string> keeping = {};  // of 'ab2', 'kdk': those for which it keeps the rates of the step before
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool limits_diffusion = true;           // viscosity or conduction limits its steps

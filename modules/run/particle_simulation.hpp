@@ -158,10 +158,10 @@ class particle_simulation : public simulation {
     // A step that the input gives is kept as long as lists can follow particles that keep their speed; one with error
     // control that they cannot follow is tried again, where lists are no limit of the flow's own.
     const bool lists_widen = possible_allowance(any) > possible_allowance(0.0);
-    const double most = (next.fixed ? 1.0 : next.controls_error && lists_widen ? a_little_faster : faster) * flow;
+    const double most = (next.fixed ? 1.0 : next.varies_steps && lists_widen ? a_little_faster : faster) * flow;
     const double now = allowance();
     double wanted = speed * (next.bound > 0.0 ? std::min(next.dt, next.bound) : next.dt);
-    if (next.controls_error && wanted > now) wanted = std::min(wanted, speed * largest_step().dt);
+    if (next.varies_steps && wanted > now) wanted = std::min(wanted, speed * largest_step().dt);
     const auto longest_within = [&](double allowed) { return most > 0.0 ? allowed / most : any; };
     const bool wider = possible_allowance(wanted) > now * (1.0 + 1e-9);
     const bool due = (moved != 0.0 || wider) && !(moved + speed * std::min(next.dt, longest_within(now)) <= now);

@@ -118,7 +118,7 @@ struct step_ahead {
   double dt = 0.0;     // s, of the next step if nothing bounds it
   double bound = 0.0;  // s, of equations that have changed since dt was chosen; 0: none
   bool fixed = false;  // the input gives dt
-  bool controls_error = false;
+  bool varies_steps = false;
   bool first = false;                   // warnings are welcome
   std::optional<step_maxima> maxima{};  // of complete(), over the ranks; none: the state is a new one
 };

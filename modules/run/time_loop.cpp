@@ -33,7 +33,7 @@ struct loop {
   double coarser_updates = 0.0;  // of particles, before there were as many as now
   std::int64_t coarser_evaluations = 0;
 
-  bool controls_error() const { return o.time.controls_error(); }
+  bool varies_steps() const { return o.time.varies_steps(); }
   double t_end() const { return o.time.end(); }
   // Where steps set the end of the run and some may be shorter than dt, their number is no limit.
   std::int64_t last_step() const {
@@ -72,7 +72,7 @@ struct loop {
   int right_hand_side(double at, std::span<double* const> rate) {
     next_evaluation.time = at;
     next_evaluation.step = step;
-    next_evaluation.shorter_steps_help = controls_error();
+    next_evaluation.shorter_steps_help = varies_steps();
     return p.evaluate(next_evaluation, rate) ? 0 : 1;
   }
 
@@ -84,9 +84,9 @@ struct loop {
   // What the length of steps follows from: where a restart changes it, they are chosen anew.
   std::string steps_follow_from() const {
     const auto& t = o.time;
-    const auto first = fmt::format("{} {} dt {}", t.method, controls_error() ? t.order : 0, t.dt.value_or(0.0));
-    return controls_error() && t.method != "kdk" ? first + " by error"
-                                                 : fmt::format("{} cfl {} diffusive {}", first, *t.cfl, *t.diffusive);
+    const auto first = fmt::format("{} {} dt {}", t.method, o.time.controls_error() ? t.order : 0, t.dt.value_or(0.0));
+    return o.time.controls_error() ? first + " by error"
+                                   : fmt::format("{} cfl {} diffusive {}", first, *t.cfl, *t.diffusive);
   }
 
   // kept: s, the fixed step of the run that goes on.
@@ -95,7 +95,7 @@ struct loop {
     how.method = o.time.method;
     how.order = static_cast<int>(o.time.order);
     how.rtol = o.time.rtol;
-    how.error_control = controls_error();
+    how.error_control = varies_steps();
     if (o.time.dt) {
       how.dt = *o.time.dt;
       dt_is = "fixed";
@@ -123,14 +123,14 @@ struct loop {
 
   step_preparation prepared{};
   void prepare_step(bool first = false) {
-    const double next = controls_error() ? integrator->statistics().next_dt : dt;
+    const double next = varies_steps() ? integrator->statistics().next_dt : dt;
     prepared = p.prepare({.time = integrator->time(),
                           .step = step,
                           .steps_left = last_step() - step,
                           .dt = next,
                           .bound = bound.dt,
                           .fixed = o.time.dt.has_value(),
-                          .controls_error = controls_error(),
+                          .varies_steps = varies_steps(),
                           .first = first,
                           .maxima = step_flags.maxima});
     if (!prepared.arrays_moved) return;
@@ -180,7 +180,7 @@ struct loop {
     const double t = integrator->time(), interval = o.output.interval;
     integrators::step_limit most = prepared.longest;
     if (for_accuracy < most.dt) most = {for_accuracy, "accuracy"};
-    if (controls_error()) {
+    if (varies_steps()) {
       const double last = files.last_end(t_end(), interval);
       return t + most.dt < last ? run::next_end{t + most.dt, most.name} : run::next_end{last, "output"};
     }
@@ -228,7 +228,7 @@ struct loop {
     }
     ++step;
     const completion done = p.complete({integrator->time(), step, watch.busy()});
-    if (done.equations_changed && !o.time.dt && !controls_error()) bound = p.limits(false).stable;
+    if (done.equations_changed && !o.time.dt && !varies_steps()) bound = p.limits(false).stable;
     reduce_step_flags(&done);
     if (step_flags.state_changed || done.equations_changed) integrator->state_changed();
   }
@@ -435,7 +435,7 @@ struct loop {
   void warn_about_step() {
     warns = true;
     const auto limit = p.limits(false).stable;
-    if (!controls_error() && dt > limit.dt * (1.0 + 1e-12))
+    if (!varies_steps() && dt > limit.dt * (1.0 + 1e-12))
       files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,
                              limit.name, limit.dt));
   }
@@ -476,8 +476,8 @@ struct loop {
     const double left = last_dt > 0.0 ? std::max(0.0, std::ceil(to_go / last_dt * (1.0 - 1e-9))) : 0.0;
     const auto& tried = line.rehearsed;
     const double interval = o.output.interval;
-    const double by_rehearsal = tried.steps(controls_error() ? std::numeric_limits<double>::infinity() : first_dt,
-                                            o.time.dt && !controls_error() ? *o.time.dt : 0.0, t_end()) +
+    const double by_rehearsal = tried.steps(varies_steps() ? std::numeric_limits<double>::infinity() : first_dt,
+                                            o.time.dt && !varies_steps() ? *o.time.dt : 0.0, t_end()) +
                                 (interval > 0.0 ? 0.5 * t_end() / interval : 0.0);
     const double on_the_way = tried.course.empty() ? static_cast<double>(step) + left : std::ceil(by_rehearsal);
     const double steps = finished()  ? static_cast<double>(step)
@@ -504,8 +504,7 @@ struct loop {
     };
     add("particles", std::to_string(report.fluid_particles), fmt::format("in {} dimensions", report.dimension));
     add("dt", fmt::format("{:.4g} s", last_dt),
-        fmt::format("{}, after {} steps", controls_error() && o.time.method != "kdk" ? "by error control" : dt_is,
-                    step));
+        fmt::format("{}, after {} steps", o.time.controls_error() ? "by error control" : dt_is, step));
     add("steps", fmt::format("{:.4g}", steps), by);
     add("a step", fmt::format("{:.3g} s", a_step(seconds)),
         fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", timed, a_step(evaluations),

@@ -20,12 +20,9 @@ void declare(convection_state<D>& state, passes::evaluation<D>& e, std::function
   const auto& f = layer.fluid;
   const double speed = layer.slowing.speed;
   state.sources.declare(layer.sources, state.world, e);
-  std::size_t k = 0;
+  if (keeps_rate(state.input)) e.keep_rates(passes::evaluation<D>::kept::all);
   const auto integrate = [&](particles::array& field, const std::string& name, double scale) {
-    e.integrate(field, {.name = name,
-                        .scale = scale,
-                        .previous_rate = k < state.earlier_rates.size() ? state.earlier_rates[k] : nullptr});
-    ++k;
+    e.integrate(field, {.name = name, .scale = scale});
   };
   constexpr std::array<const char*, 3> axis{"x", "y", "z"};
   for (std::size_t a = 0; a < D; ++a) integrate(s.x[a], axis[a], state.world.w.dx);

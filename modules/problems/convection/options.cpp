@@ -155,7 +155,7 @@ void declare(namelist::schema& schema, options& o) {
   sources::declare(schema, {}, o.of_sources);
   run::declare(
       schema, o.common,
-      {.single_pairs = true, .keeps_rate = true, .starts_from_file = true, .reads = "places and temperatures"});
+      {.single_pairs = true, .keeping = {"ab2"}, .starts_from_file = true, .reads = "places and temperatures"});
 }
 
 }  // namespace tetsuame::convection

@@ -164,8 +164,7 @@ struct convection_state {
   particles::array& p;           // Pa, beyond that of the conductive state
   particles::vector_field<D> z;  // m/s, velocity of the viscous force, where that is relaxed
   lagged_terms<D> lagged;
-  std::optional<lagged_terms<D>> before;         // those of the step before, where they are extrapolated from it
-  std::vector<particles::array*> earlier_rates;  // of each component that is integrated, for 'ab2'
+  std::optional<lagged_terms<D>> before;  // those of the step before, where they are extrapolated from it
   // Where the viscosity varies, of ghosts and images too: ν^½, m/s^½, and ν, which an image has of its particle.
   particles::array* viscosity_root = nullptr;
   particles::array* own_viscosity = nullptr;
@@ -201,8 +200,6 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
       last(layer, fluid()) {
   auto& s = fluid();
   if (extrapolates(o)) before.emplace(layer, s, "Before", particles::role::memory);
-  for (std::size_t k = 0; k < D + unknowns() && keeps_rate(o); ++k)
-    earlier_rates.push_back(&particles::declare(s, "EarlierRate_" + std::to_string(k), "", particles::role::memory));
   if (layer.law.varies) {
     viscosity_root = &particles::declare(s, "ViscosityRoot", "m/s^(1/2)", particles::role::derived);
     own_viscosity = &particles::declare(s, "OwnViscosity", "m^2/s", particles::role::derived);

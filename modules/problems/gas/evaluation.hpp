@@ -142,7 +142,7 @@ class list_of_passes {
         g_.attraction = std::make_unique<gravity::self<D>>(*g_.o.self_gravity);
         g_.attraction->declare(g_, g_.softening);
       }
-    if (g_.o.common.time.method == "kdk") e.keep_rates();
+    if (g_.o.common.time.method == "kdk") e.keep_rates(passes::evaluation<D>::kept::all_but_positions);
     e.integrate_motion({0.0, 0.0, speed});
     u_ = e.integrate(s_.u, {"u", 0.0, speed * speed});
     if (g_.o.has_alpha()) extra_ = e.integrate(g_.alpha, {"alpha", 0.0, 1.0});

@@ -195,7 +195,7 @@ void declare(namelist::schema& schema, options& o) {
   sources::declare(schema, {.temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
-                .keeps_kicks = true,
+                .keeping = {"kdk"},
                 .kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,
                 .starts_from_file = true,

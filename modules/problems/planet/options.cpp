@@ -252,7 +252,7 @@ void declare(namelist::schema& schema, options& o) {
           0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the planet's shape suggests")));
   run::declare(schema, common,
                {.single_pairs = true,
-                .keeps_kicks = true,
+                .keeping = {"kdk"},
                 .kernels = {"quintic", "wendland_c4"},
                 .diffuses = false,
                 .starts_from_file = true,
