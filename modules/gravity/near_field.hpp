@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <foundation/lanes.hpp>
 #include <foundation/vec.hpp>
 #include <gravity/softening.hpp>
@@ -25,6 +26,7 @@ struct source_list {
   std::array<std::vector<scalar>, D> x;       // from any point near the targets
   std::vector<scalar> mass, inverse_support;  // (softening.hpp)
   std::size_t size = 0;
+  std::vector<std::uint32_t> soft, others;  // places in the list, of sum_pairs()
 
   void reserve(std::size_t n) {
     if (mass.size() >= n + room) return;
@@ -55,6 +57,13 @@ template <class R>
     return R(typename R::lanes_type(value));
   else
     return R(value);
+}
+template <class R>
+[[gnu::always_inline]] inline void store(const R& values, scalar_of<R>* to) {
+  if constexpr (std::is_same_v<R, foundation::single>)
+    values.all().copy_to(to, foundation::stdx::element_aligned);
+  else
+    values.copy_to(to, foundation::stdx::element_aligned);
 }
 // 0, 1, 2, … from `first` on.
 template <class R>
@@ -103,32 +112,76 @@ void add_to(double* sums, const R& more) {
   for (std::size_t lane = 0; lane < R::size(); ++lane) sums[lane] += static_cast<double>(more[lane]);
 }
 
-// The sources [from, to) act on the targets [first, first + R::size()).
-template <bool soft, bool among, int D, class R, std::size_t n>
-[[gnu::noinline]] void add_sources(const source_list<D, R>& all, std::size_t from, std::size_t to, std::size_t first,
-                                   near_sums<D, n>& sums) {
+// The sources source(0), …, source(n - 1) act on the targets [first, first + R::size()).
+template <bool soft, bool among, int D, class R, std::size_t n, class Source>
+[[gnu::noinline]] void add_sources(const source_list<D, R>& all, std::size_t count, const Source& source,
+                                   std::size_t first, near_sums<D, n>& sums) {
   // Sums of single numbers are short, so that their roundings stay those of a few terms.
   constexpr std::size_t chunk = 256;
-  for (; from < to; from += chunk) {
+  for (std::size_t from = 0; from < count; from += chunk) {
     target_register<D, R> t(all, first);
-    const std::size_t end = std::min(to, from + chunk);
-    for (std::size_t j = from; j < end; ++j) t.template add<soft, among>(all, j);
+    const std::size_t end = std::min(count, from + chunk);
+    for (std::size_t k = from; k < end; ++k) t.template add<soft, among>(all, source(k));
     for (std::size_t a = 0; a < D; ++a) add_to(&sums.pull[a][first], t.pull[a]);
     add_to(&sums.potential[first], t.potential);
   }
+}
+
+// Divides the sources [from, to): those that may be within the support of a pair with one of the first `targets`, and
+// those that are surely not. The same in lanes of any number.
+template <int D, class R>
+void sort_by_support(source_list<D, R>& all, std::size_t targets, std::size_t from, std::size_t to) {
+  using scalar = scalar_of<R>;
+  std::array<scalar, D> low, high;
+  for (std::size_t a = 0; a < D; ++a) {
+    const auto [least, most] =
+        std::minmax_element(all.x[a].begin(), all.x[a].begin() + static_cast<std::ptrdiff_t>(targets));
+    low[a] = *least;
+    high[a] = *most;
+  }
+  const scalar least_inverse = *std::min_element(all.inverse_support.begin(),
+                                                 all.inverse_support.begin() + static_cast<std::ptrdiff_t>(targets));
+  auto &soft = all.soft, &others = all.others;
+  soft.resize(to - from + R::size());
+  others.resize(to - from + R::size());
+  std::size_t near = 0, beyond = 0;
+  for (std::size_t j = from; j < to; j += R::size()) {
+    R gap2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      const R x = load<R>(&all.x[a][j]), below = broadcast<R>(low[a]) - x, above = x - broadcast<R>(high[a]);
+      const R gap = foundation::greater(foundation::greater(below, above), R(0.0));
+      gap2 += gap * gap;
+    }
+    const R h = foundation::lesser(load<R>(&all.inverse_support[j]), broadcast<R>(least_inverse));
+    std::array<scalar, R::size()> gaps;  // squared, over the support
+    store(R(gap2 * h * h), gaps.data());
+    for (std::size_t lane = 0; lane < std::min(R::size(), to - j); ++lane) {
+      // With some room for roundings: of a pair beyond its support both sums are the same.
+      const std::size_t is_near = gaps[lane] < scalar{1.0001F} ? 1 : 0;
+      soft[near] = others[beyond] = static_cast<std::uint32_t>(j + lane);
+      near += is_near;
+      beyond += 1 - is_near;
+    }
+  }
+  soft.resize(near);
+  others.resize(beyond);
 }
 
 }  // namespace detail
 
 // Of `targets` first ones of the list; beyond `soft_end` sources are out of supports.
 template <int D, class R, std::size_t n>
-near_sums<D, n> sum_pairs(const source_list<D, R>& all, std::size_t targets, std::size_t soft_end) {
+near_sums<D, n> sum_pairs(source_list<D, R>& all, std::size_t targets, std::size_t soft_end) {
   static_assert(n % R::size() == 0 && R::size() <= source_list<D, R>::room);
+  detail::sort_by_support(all, targets, targets, soft_end);
   near_sums<D, n> sums;
+  const auto from = [](std::size_t begin) { return [begin](std::size_t k) { return begin + k; }; };
+  const auto of = [](const std::vector<std::uint32_t>& some) { return [&some](std::size_t k) { return some[k]; }; };
   for (std::size_t first = 0; first < targets; first += R::size()) {
-    detail::add_sources<true, true>(all, 0, targets, first, sums);
-    detail::add_sources<true, false>(all, targets, soft_end, first, sums);
-    detail::add_sources<false, false>(all, soft_end, all.size, first, sums);
+    detail::add_sources<true, true>(all, targets, from(0), first, sums);
+    detail::add_sources<true, false>(all, all.soft.size(), of(all.soft), first, sums);
+    detail::add_sources<false, false>(all, all.others.size(), of(all.others), first, sums);
+    detail::add_sources<false, false>(all, all.size - soft_end, from(soft_end), first, sums);
   }
   return sums;
 }

@@ -173,6 +173,15 @@ void node_tree<D>::gather(const cloud<D>& particles, std::size_t first, std::siz
 }
 
 template <int D>
+void node_tree<D>::tell_box(std::size_t index) {
+  const auto& b = boxes_[index];
+  for (std::size_t a = 0; a < D; ++a) {
+    nodes[index].middle[a] = 0.5 * (b.low[a] + b.high[a]);
+    nodes[index].half[a] = 0.5 * (b.high[a] - b.low[a]) * rounding;
+  }
+}
+
+template <int D>
 void node_tree<D>::sum_leaf(std::size_t index) {
   auto& n = nodes[index];
   auto& b = boxes_[index];
@@ -191,6 +200,7 @@ void node_tree<D>::sum_leaf(std::size_t index) {
       b.high[a] = std::max(b.high[a], x[a][k]);
     }
   }
+  tell_box(index);
   n.support = least_inverse < no_support<real> ? 1.0 / least_inverse : 0.0;
   for (std::size_t a = 0; a < D; ++a)
     n.centre[a] = n.mass > 0.0 ? base[a] + moment[a] / n.mass : 0.5 * b.low[a] + 0.5 * b.high[a];
@@ -230,6 +240,7 @@ void node_tree<D>::sum_parts(std::size_t index) {
   auto& b = boxes_[index];
   b = boxes_[parts[0]];
   b.include(boxes_[parts[1]]);
+  tell_box(index);
   double corner2 = 0.0, reach = 0.0, sixth = 0.0;
   for (std::size_t a = 0; a < D; ++a) {
     const double far_end = std::max(n.centre[a] - b.low[a], b.high[a] - n.centre[a]);

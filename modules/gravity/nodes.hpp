@@ -30,7 +30,8 @@ struct alignas(64) node {
   double spread;                      // sixth root of the mean sixth power of the distance from the centre, by mass
   double support;                     // the largest one
   double mass;
-  double per_field;  // at least 1/Σ m/r^(D-1) of all particles outside, for any place within
+  double per_field;                         // at least 1/Σ m/r^(D-1) of all particles outside, for any place within
+  foundation::vec<double, D> middle, half;  // of the box around the particles: its centre, and half of its edges
 };
 
 // Where a node stands: particles [first, last). Nodes are in preorder: the first part of a node that is divided follows
@@ -83,6 +84,7 @@ struct node_tree {
   void fill_block(const cloud<D>& particles, std::size_t index, std::vector<entry>& entries);
   void halve(std::size_t index, entry* entries, std::size_t first, std::size_t last);
   void gather(const cloud<D>& particles, std::size_t first, std::size_t last);
+  void tell_box(std::size_t index);
   void sum_leaf(std::size_t index);
   void sum_parts(std::size_t index);
   void bound_fields();

@@ -20,18 +20,22 @@ struct opening {
   double per_opening = 1.0, per_tolerance = 1.0;  // inverse of those of tree_options
 
   // The orders of the multipoles by which a node and four others act on each other, the same seen from either; above P
-  // if they are too close, P + 2 if supports overlap. The error of the force of a on particles anywhere in b is about
-  // m_a/R^(D-1) ((spread of a + radius of b)/R)^order [W. Dehnen (2014), with a bound for the multipoles' power].
+  // if they are too close, P + 2 if supports may overlap. The error of the force of a on particles anywhere in b is
+  // about m_a/R^(D-1) ((spread of a + radius of b)/R)^order [W. Dehnen (2014), with a bound for the multipoles' power].
   real orders(const node<D>& a, const std::array<const node<D>*, foundation::lanes>& others) const {
     const auto load = [&](auto member) { return real([&](auto lane) { return member(*others[lane]); }); };
-    real d2 = 0.0;
+    real d2 = 0.0, gap2 = 0.0;  // between centres of mass; between boxes
     for (std::size_t k = 0; k < D; ++k) {
       const real d = load([k](const node<D>& b) { return b.centre[k]; }) - a.centre[k];
       d2 += d * d;
+      const real apart = foundation::stdx::abs(load([k](const node<D>&b) { return b.middle[k]; }) - a.middle[k]),
+                 gap = foundation::greater(apart - (load([k](const node<D>&b) { return b.half[k]; }) + a.half[k]),
+                                           real(0.0));
+      gap2 += gap * gap;
     }
     const real radius = load([](const node<D>&b) { return b.radius; }), radii = radius + a.radius;
     const real support = foundation::greater(load([](const node<D>& b) { return b.support; }), real(a.support));
-    const real least = foundation::greater(radii * per_opening, radii + support);
+    const real least = radii * per_opening;
     const real extent =
         foundation::greater(load([](const node<D>& b) { return b.spread; }) + a.radius, radius + a.spread);
     const real scale = foundation::greater(load([](const node<D>& b) { return b.per_field; }) * a.mass,
@@ -44,9 +48,10 @@ struct opening {
       order += foundation::select(error2 < most, real(0.0), real(1.0));
       error2 *= ratio2;
     });
-    const real within = radii + support, none = static_cast<double>(far_field<D>::order + 1);
-    const real close = foundation::select(within * within < d2, none, none + 1.0);
-    return foundation::select(least * least < d2 && order < none, order, close);
+    const real none = static_cast<double>(far_field<D>::order + 1);
+    const auto beyond = support * support < gap2;
+    const real close = foundation::select(beyond, none, none + 1.0);
+    return foundation::select(beyond && least * least < d2 && order < none, order, close);
   }
 };
 

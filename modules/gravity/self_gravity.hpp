@@ -78,6 +78,7 @@ class self {
     std::vector<double> mass, support;
     std::vector<std::uint64_t> id;
     std::size_t first = 0;
+    bool operator==(const gathered&) const = default;
     cloud<D> view() const {
       cloud<D> all{{}, mass.data(), support.data(), id.data(), id.size()};
       for (std::size_t a = 0; a < D; ++a) all.x[a] = x[a].data();
@@ -132,17 +133,26 @@ class self {
     take(cloud_.id, sorted.id);
     return sorted;
   }
+  // Where nothing has moved since the last evaluation, the field is what it was.
   void find() {
+    std::swap(cloud_, before_);
     gather();
     auto& w = box_->w;
-    field<D> to{{}, potential_->data()};
-    for (std::size_t a = 0; a < D; ++a) to.acceleration[a] = w.accelerations[a].data();
-    tree_(cloud_.view(), cloud_.first, cloud_.first + w.s.fluid, to);
+    const std::size_t n = w.s.fluid;
+    if (found_[0].size() != n || !(cloud_ == before_)) {
+      for (auto& values : found_) values.resize(n);
+      field<D> to{{}, found_[D].data()};
+      for (std::size_t a = 0; a < D; ++a) to.acceleration[a] = found_[a].data();
+      tree_(cloud_.view(), cloud_.first, cloud_.first + n, to);
+    }
+    for (std::size_t a = 0; a < D; ++a) std::ranges::copy(found_[a], w.accelerations[a].begin());
+    std::ranges::copy(found_[D], potential_->begin());
   }
 
   const tree_options options_;
   tree<D> tree_;
-  gathered cloud_;
+  gathered cloud_, before_;
+  std::array<std::vector<double>, D + 1> found_;  // acceleration and potential of this rank's particles
   run::state<D>* box_ = nullptr;
   particles::array* support_ = nullptr;
   particles::array* potential_ = nullptr;

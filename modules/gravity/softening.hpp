@@ -70,11 +70,6 @@ template <int D, class R>
   if constexpr (D == 3) force *= root.inverse;
   const R q = foundation::lesser(root.r * h, R(1.0));
   const auto within = q < R(1.0);
-  // Most particles near each other are not that near.
-  if (foundation::stdx::none_of(within)) {
-    if constexpr (D == 3) return {force, -root.inverse};
-    if constexpr (D == 2) return {force, foundation::log(root.r)};
-  }
   const auto near = field_within<D, R>(q, h);
   const auto ignored = within && !(h < R(no_support<R>));
   if constexpr (D == 2)
