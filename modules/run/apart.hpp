@@ -23,8 +23,9 @@ struct apart {
   std::array<double, 8> numbers{};
   std::array<bool, 3> drifts{};  // the axes along which nothing stands still
 
-  // A bound, of the vectors less that in the middle. It is at most √D times the length of the longest of these. Where
-  // little more is in common than the frame's motion it is the longest vector's own length.
+  // A bound: 1.2 times that of the vectors less that in the middle, which is at most √D times the length of the longest
+  // of these; or the longest vector's own length where that is shorter, as where little is in common. It has no jumps,
+  // at which a step would fail however short it is.
   double length() const {
     constexpr double in_common = 1.2;
     double square = 0.0;
@@ -34,7 +35,7 @@ struct apart {
       square += half * half;
     }
     const double around = std::sqrt(square), all = numbers[longest];
-    return std::max(in_common * around < all ? around : all, numbers[at_least]);
+    return std::max(in_common * around < all ? in_common * around : all, numbers[at_least]);
   }
 
   // In the middle between the largest component and the least, along the axes that drift; zero where that is rounding.
