@@ -383,6 +383,13 @@ void run_directory::interrupt(double reason, std::int64_t step, const std::strin
       fmt::format("stopped {} at step {}{}, t = {:.6g} s, after a checkpoint: continue with --restart latest, {}",
                   told_by(reason), step, of_steps, t, to_go_on()));
 }
+void run_directory::interrupt_settling(double reason, std::int64_t done, std::int64_t of_steps) {
+  if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
+  throw foundation::error(foundation::exit_status::interrupted,
+                          fmt::format("stopped {} while the start settled, after {} of {} steps: nothing was written, "
+                                      "the same command begins again",
+                                      told_by(reason), done, of_steps));
+}
 
 // As rank 0 sees it.
 std::string run_directory::what_is_good() const {

@@ -94,6 +94,8 @@ struct run_directory {
   void complete(std::int64_t step, double t, double t_end, const std::string& remark);
   // The exit of a run that was told to stop, after its checkpoint.
   [[noreturn]] void interrupt(double reason, std::int64_t step, const std::string& of_steps, double t);
+  // Before begin(), when so many steps of the motion before the run are done.
+  [[noreturn]] void interrupt_settling(double reason, std::int64_t done, std::int64_t of_steps);
   // Ends the run with the reason in summary and log, and throws it again. save: puts to disk and into the report what
   // there is; it may change the report's status. What fails before the run began leaves no trace in the directory.
   [[noreturn]] void fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save);

@@ -383,9 +383,14 @@ struct loop {
       move(part::kick);
       move(part::drift);
       p.commit();
-      step_flags = {};
+      reduce_step_flags(nullptr);
       prepare_step();
       progress.update(so_far(n + 1.0));
+      if (step_flags.stop > 0.0) {
+        progress.finish(so_far(n + 1.0));
+        files.interrupt_settling(step_flags.stop, static_cast<std::int64_t>(n + 1.0),
+                                 static_cast<std::int64_t>(steps_needed));
+      }
     }
     progress.finish(so_far(steps_needed));
     p.settle(part::rest, {}, 0.0, 0.0);
