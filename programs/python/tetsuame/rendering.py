@@ -116,10 +116,12 @@ class _Grid:
         self.axes = axes
         self.lengths = snapshot.lengths[list(axes)]
         self.periodic = snapshot.periodic[list(axes)]
-        # Free surfaces, and boxes without walls: what lies outside is shown as well.
+        # Free surfaces, and boxes without walls: what lies outside is shown as well, but not the last hundredth where that has flown far away.
         places = snapshot["Coordinates"][:, list(axes)]
-        low = np.minimum(0.0, places.min(axis=0)) if len(places) else np.zeros(2)
-        high = np.maximum(self.lengths, places.max(axis=0)) if len(places) else self.lengths
+        low, high = (np.minimum(0.0, places.min(axis=0)), np.maximum(self.lengths, places.max(axis=0))) if len(places) else (np.zeros(2), self.lengths)
+        if (high - low > 2.0 * self.lengths).any():
+            most = np.quantile(places, (0.01, 0.99), axis=0)
+            low, high = np.minimum(0.0, most[0]), np.maximum(self.lengths, most[1])
         self.low = np.where(self.periodic, 0.0, low)
         self.high = np.where(self.periodic, self.lengths, high)
         size = self.high - self.low

@@ -185,6 +185,8 @@ def tiles(ax, places, edge: float, **options):
 def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
     """Lengths alike along both axes, nothing between the ticks."""
     ax.set(aspect="equal", xlim=x, ylim=y)
+    if max(map(abs, x)) >= 1e4:  # room for long numbers
+        ax.locator_params(axis="x", nbins=4)
     ax.grid(False)
 
 
