@@ -2,11 +2,11 @@
 """Planets cut through: the particles of a slab about the plane z = 0 of the centre of mass, coloured by material, at some times.
 
     planet inputs/giant_impact.nml --output DIR
-    cuts_of_planets.py DIR FIGURE.png --hours 0 1 2 4 8 15 --half-width 40 --target 2610 \\
+    cuts_of_planets.py DIR FIGURE.png --hours 0 1 2 4 8 15 --half-width 40 --target 8700 \\
         --names 'rock of the target' 'iron of the target' 'rock of the impactor' 'iron of the impactor'
 
     planet inputs/planet_metal.nml --output DIR
-    cuts_of_planets.py DIR FIGURE.png --hours 0 1.7 3.4 5 --half-width 4 --slab 0.4 --names ocean metal interior
+    cuts_of_planets.py DIR FIGURE.png --hours 0 3.5 4.9 8.3 --half-width 4 --slab 0.4 --names ocean metal interior
 
 --names: of the materials by number; with --target, the number of the target's particles, then of the impactor's."""
 import argparse

@@ -361,8 +361,10 @@ std::vector<unsigned char> sequences_of(const grid<D>& g) {
 
 // Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
 // of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j
-// with each member of the cluster. `among_members`: the grid's members, those with the same local index, are these
-// particles themselves, which are not their own neighbours; else they are another set of particles.
+// with each member of the cluster. Where it also has find_wide(low, high, found), that gives the places in the grid, in
+// their order, of those members whose pairs may reach further than `most`. `among_members`: the grid's members, those
+// with the same local index, are these particles themselves, which are not their own neighbours; else they are another
+// set of particles.
 template <int D, bool among_members = true, class Reach>
 void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
                const Reach& reach) {
@@ -370,32 +372,47 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
   constexpr std::size_t width = neighbour_list::width;
   const auto sequences = list.interleave > 1 ? sequences_of(g) : std::vector<unsigned char>{};
   make_rows(list, (n + width - 1) / width,
-            [&, row = row_of_clusters(), spread = spread_cluster<D>()](std::size_t r, auto& made) mutable {
+            [&, row = row_of_clusters(), spread = spread_cluster<D>(), wide = std::vector<std::uint32_t>()](
+                std::size_t r, auto& made) mutable {
               const std::size_t first = r * width, members = std::min(width, n - first);
               const cluster_positions<D> cluster(x, first, members);
               const std::uint32_t all_members = (1U << members) - 1U;
               std::size_t pairs = 0;
               const auto& of_cluster = reach.of(first, members);
+              const auto add = [&](std::uint32_t at) {
+                const std::uint32_t j = g.members[at];
+                real r2(0.0);
+                for (std::size_t a = 0; a < D; ++a) {
+                  const real x_ij = cluster.x[a] - g.sorted[a][at];
+                  r2 += x_ij * x_ij;
+                }
+                std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+                if constexpr (among_members)
+                  if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
+                row.add(sequences.empty() ? 0 : sequences[at], j, within);
+                pairs += static_cast<std::size_t>(std::popcount(within));
+              };
+              constexpr bool has_wide = requires { reach.find_wide(cluster.low, cluster.high, wide); };
+              if constexpr (has_wide) reach.find_wide(cluster.low, cluster.high, wide);
+              std::size_t wide_added = 0;
+              const auto add_wide_before = [&](std::uint32_t at) {
+                for (; wide_added < wide.size() && wide[wide_added] < at; ++wide_added) add(wide[wide_added]);
+              };
               const auto add_near = [&](std::uint32_t k, std::uint64_t near) {
                 for (; near != 0; near &= near - 1) {
                   const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
-                  const std::uint32_t j = g.members[at];
-                  real r2(0.0);
-                  for (std::size_t a = 0; a < D; ++a) {
-                    const real x_ij = cluster.x[a] - g.sorted[a][at];
-                    r2 += x_ij * x_ij;
+                  if constexpr (has_wide) {
+                    add_wide_before(at);
+                    if (wide_added < wide.size() && wide[wide_added] == at) ++wide_added;
                   }
-                  std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
-                  if constexpr (among_members)
-                    if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
-                  row.add(sequences.empty() ? 0 : sequences[at], j, within);
-                  pairs += static_cast<std::size_t>(std::popcount(within));
+                  add(at);
                 }
               };
               if (cluster.longest_edge() > 4.0 * of_cluster.most)
                 spread.for_each_near(g, x, first, members, of_cluster.most, add_near);
               else
                 for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, add_near);
+              if constexpr (has_wide) add_wide_before(UINT32_MAX);
               row.write(list.interleave, made);
               return pairs;
             });

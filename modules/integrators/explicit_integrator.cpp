@@ -274,6 +274,11 @@ struct explicit_integrator::implementation {
 
   void know_rate() {
     if (rate_known) return;
+    // Of 'kdk' a step needs the kept rates alone, which went with the particles into new lists.
+    if (is_kdk && previous_dt != 0.0) {
+      repeats = false;
+      return;
+    }
     rhs_status = 0;
     if (std::exchange(repeats, false)) --statistics.evaluations;
     if (evaluate(t, start_rate.get()) != 0) {

@@ -42,13 +42,62 @@ class largest_near {
   std::vector<double> largest_;
 };
 
+// The few particles whose supports are far larger than most: thrown out, they have no near neighbours. They are looked
+// for by themselves, so that not all that is near one of them searches as far as it reaches.
+template <int D>
+class wide_supports {
+ public:
+  wide_supports(const particles::array& S, std::size_t n, const cells::grid<D>& all) : wide_(n, 0) {
+    constexpr double far_larger = 2.0, few = 1.0 / 16.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) sum += S[i];
+    const double least = far_larger * sum / static_cast<double>(n);
+    std::array<particles::array, D> x;
+    std::vector<std::int64_t> id;
+    for (std::uint32_t at = 0; at < all.members.size(); ++at) {
+      const std::size_t i = all.members[at];
+      if (!(S[i] > least)) continue;
+      wide_[i] = 1;
+      most_ = std::max(most_, S[i]);
+      for (std::size_t a = 0; a < D; ++a) x[a].push_back(all.sorted[a][at]);
+      id.push_back(at);
+    }
+    if (static_cast<double>(id.size()) > few * static_cast<double>(n)) {
+      std::ranges::fill(wide_, 0);
+      return;
+    }
+    places_ = std::move(id);
+    if (!places_.empty()) cells_ = cells::make_grid<D>(x, places_, places_.size(), most_);
+  }
+  bool has(std::size_t i) const { return wide_[i] != 0; }
+  // Places in the grid of all, in their order.
+  void find(const std::array<double, D>& low, const std::array<double, D>& high, double skin,
+            std::vector<std::uint32_t>& found) const {
+    found.clear();
+    if (places_.empty()) return;
+    cells::for_each_near<D>(cells_, low, high, most_ + skin, [&](std::uint32_t k, std::uint64_t near) {
+      for (; near != 0; near &= near - 1)
+        found.push_back(static_cast<std::uint32_t>(
+            places_[cells_.members[k + static_cast<std::uint32_t>(std::countr_zero(near))]]));
+    });
+    std::ranges::sort(found);
+  }
+
+ private:
+  std::vector<char> wide_;
+  std::vector<std::int64_t> places_;
+  double most_ = 0.0;  // m
+  cells::grid<D> cells_;
+};
+
 // The reach of a pair: the larger of the two supports, and the skin.
 template <int D>
 struct larger_support {
   const particles::particles<D>& s;
   const particles::array& S;
   double skin;  // m
-  largest_near<D> largest;
+  wide_supports<D> wide;
+  largest_near<D> largest;  // but for wide ones
 
   struct of_cluster {
     double most;         // m
@@ -63,8 +112,12 @@ struct larger_support {
   };
   of_cluster of(std::size_t first, std::size_t n) const {
     double most = 0.0;
-    for (std::size_t i = first; i < first + n; ++i) most = std::max(most, largest(cells::position<D>(s.x, i)));
+    for (std::size_t i = first; i < first + n; ++i) most = std::max({most, S[i], largest(cells::position<D>(s.x, i))});
     return {most + skin, cells::of_members(S.data() + first, n), S.data(), skin};
+  }
+  void find_wide(const std::array<double, D>& low, const std::array<double, D>& high,
+                 std::vector<std::uint32_t>& found) const {
+    wide.find(low, high, skin, found);
   }
 };
 
@@ -72,9 +125,15 @@ struct larger_support {
 template <int D>
 void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, const cells::grid<D>& grid) {
   auto& s = w.s;
+  const wide_supports<D> wide(S, s.total(), grid);
+  particles::array others = S;
   double most = 0.0;
-  for (std::size_t i = 0; i < s.total(); ++i) most = std::max(most, S[i]);
-  cells::make_list<D>(w.list, grid, s.x, s.fluid, larger_support<D>{s, S, skin, largest_near<D>(s, S, most + skin)});
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    if (wide.has(i)) others[i] = 0.0;
+    most = std::max(most, others[i]);
+  }
+  cells::make_list<D>(w.list, grid, s.x, s.fluid,
+                      larger_support<D>{s, S, skin, wide, largest_near<D>(s, others, most + skin)});
 }
 
 // rebuild() where every particle has a support, m, so many spacings about it, which may grow until `list_support` and a

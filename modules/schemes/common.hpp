@@ -47,6 +47,7 @@ struct needs {
   bool corrects = false;   // REMIX's kernels, and ρ by continuity
   bool integral = false;   // gradients by an integral (integral.hpp)
   bool geometric = false;  // the factor of forces with geometric densities (density_based.hpp)
+  bool counts = false;     // of neighbours, once lists are new and before sums over them: supports follow these
 };
 
 // One field a quantity, beside those that all particles have.
@@ -60,6 +61,7 @@ struct arrays {
  private:
   particles::particles<D>& table_;
   const needs has_;
+  particles::role role_of_counts() const { return has_.counts ? particles::role::memory : particles::role::derived; }
 
  protected:
   array& derived(const char* name, const char* unit, const char* about, bool needed = true) {
@@ -99,8 +101,8 @@ struct arrays {
   array& curl = derived("VelocityCurl", "1/s", "absolute value");
   array& number = derived("NumberDensity", "1/m^D", "n: sum of W");
   array& mass_density = derived("MassDensity", "kg/m^D", "sum of m W");
-  array& count = derived("NeighbourCount", "1", "n S^D");
-  array& count_slope = derived("NeighbourCountSlope", "1", "its slope over S");
+  array& count = particles::declare(table_, "NeighbourCount", "1", role_of_counts(), "n S^D");
+  array& count_slope = particles::declare(table_, "NeighbourCountSlope", "1", role_of_counts(), "its slope over S");
   vector_field<D> force = derived_vector<D>("Force", "N", "");
   array& power = derived("Power", "W", "");
   array& signal = derived("SignalVelocity", "m/s", "");

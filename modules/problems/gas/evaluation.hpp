@@ -26,9 +26,15 @@ void sum_of(world<D>& g, const pairs::row_range& rows, const Term& term) {
   std::visit([&](const auto& unit) { sum(g, rows, term(unit)); }, g.unit);
 }
 
+// The largest supports do not follow the density: f = 1, z = 0.
 template <int D>
 void sum_densities(world<D>& g, const pairs::row_range& rows) {
   sum_of(g, rows, [&]<class Kernel>(const Kernel& unit) { return schemes::density<D, Kernel>{unit, g.fields()}; });
+  for (std::size_t i = rows.first; i < rows.last; ++i)
+    if (!(g.S[i] < g.largest_support)) {
+      g.f[i] = 1.0;
+      g.z[i] = 0.0;
+    }
 }
 template <int D>
 void sum_gradients(world<D>& g, const pairs::row_range& rows) {

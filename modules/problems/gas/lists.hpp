@@ -11,7 +11,7 @@ void next_supports(world<D>& g) {
   const double target = std::pow(g.support_over_dx, D);
   foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
     const double S = g.support[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
-    g.support[i] = std::min(next, g.list_support[i] + g.room_to_grow());
+    g.support[i] = std::min({next, g.list_support[i] + g.room_to_grow(), g.largest_support});
     g.S[i] = g.support[i];
   });
 }

@@ -190,6 +190,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
   gravity::declare_softening(schema, "shock", o.softening, "collapse: ");
+  declare_largest_support(schema, "shock", o.largest_support);
   declare_transport(schema, o.shock);
   regions::declare(schema, of_regions, o.of_regions);
   sources::declare(schema, {.temperature = false}, o.of_sources);
@@ -350,6 +351,14 @@ bool fits_single(const options& o) {
 }
 
 }  // namespace
+
+void declare_largest_support(namelist::schema& schema, const std::string& group, double& largest) {
+  schema.add(group, "largest_support", largest,
+             namelist::for_expert({.minimum = 0.0,
+                                   .maximum = 1e6,
+                                   .meaning = "of a particle's kernel, over the largest one at the start: beyond it a "
+                                              "lone particle has fewer neighbours; 0: any"}));
+}
 
 void choose_cfl(run::time_options& o) {
   if (!o.cfl) o.cfl = o.method == "euler" ? 0.1 : o.method == "kdk" ? 0.25 : 0.4;

@@ -65,7 +65,8 @@ struct options {
   sources::options of_sources;
   sources::all sources;
   std::optional<gravity::tree_options> self_gravity = {};
-  double softening = 1.0;  // of a particle's own field, over its kernel's support at the start
+  double softening = 1.0;        // of a particle's own field, over its kernel's support at the start
+  double largest_support = 0.0;  // of a kernel, over the largest at the start; 0: any
   run::common_options common;
 
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
@@ -101,5 +102,6 @@ void choose_cfl(run::time_options& o);
 // gases whose numbers it does not hold. Refused where it was asked for and cannot be.
 void choose_precision(const namelist::schema& schema, options& o);
 double expected_particles(const options& o);
+void declare_largest_support(namelist::schema& schema, const std::string& group, double& largest);
 
 }  // namespace tetsuame::gas

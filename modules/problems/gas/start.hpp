@@ -189,7 +189,8 @@ void take_from_file(world<D>& g) {
       file.fail_at(n, fmt::format("its InternalEnergy is {:.6g} J/kg, and its gas has no pressure then", u[n]));
   }
   file.check_packing(x, volume);
-  file.check_neighbours(x, volume, reach, false);
+  // Around a planet a particle may have flown far from all others.
+  if (!g.o.self_gravity) file.check_neighbours(x, volume, reach, false);
   run::lay_out_file<D>(g, x);
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto n = static_cast<std::size_t>(s.id[i]);
@@ -216,6 +217,9 @@ void set_up(world<D>& g) {
   make_box(g);
   place_particles(g);
   if (g.o.common.start.is_read()) take_from_file(g);
+  if (g.o.largest_support > 0.0)
+    g.largest_support = g.o.largest_support * g.ranks().maximum(foundation::largest_of(
+                                                  g.w.s.fluid, 0.0, [&](std::size_t i) { return g.support[i]; }));
 }
 
 // The weights of the start, to 1e-4: a pass leaves 1 - exponent at most (lists.hpp).

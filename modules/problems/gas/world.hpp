@@ -6,6 +6,7 @@
 #include <eos/caloric.hpp>
 #include <gas/setups.hpp>
 #include <gravity/self_gravity.hpp>
+#include <limits>
 #include <memory>
 #include <particles/named_fields.hpp>
 #include <run/supports.hpp>
@@ -35,6 +36,7 @@ struct world : run::state<D>, schemes::arrays<D> {
   std::vector<double> start_sound = {};                     // m/s, of each
   kernel_choice<D> unit = kernels::quintic_spline<D>(1.0);  // support 1
   double support_over_dx = 0.0, support_over_h = 0.0;
+  double largest_support = std::numeric_limits<double>::infinity();  // m, of any particle
   double speed_scale = 0.0, density_scale = 0.0;
 
   // Fields that go with the particles.
@@ -65,7 +67,8 @@ struct world : run::state<D>, schemes::arrays<D> {
       : schemes::arrays<D>(w.s, {.slopes = o_.godunov() || o_.evolves_density(),
                                  .corrects = o_.evolves_density(),
                                  .integral = o_.integral(),
-                                 .geometric = o_.geometric() && !o_.integral()}),
+                                 .geometric = o_.geometric() && !o_.integral(),
+                                 .counts = o_.common.time.method == "kdk"}),
         o(o_),
         test(std::move(test_)) {}
 

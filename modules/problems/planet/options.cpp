@@ -197,6 +197,7 @@ void declare_particles(namelist::schema& schema, options& o) {
               .meaning = "standard; density-independent with the volume as weight; or kernels that reproduce linear "
                          "fields, with a density that follows from continuity"});
   gravity::declare_softening(schema, "planet", o.gas.softening, "self-gravity: ");
+  gas::declare_largest_support(schema, "planet", o.gas.largest_support);
   schema.add("planet", "opening", o.opening,
              for_expert(namelist::up_to(0.99, "self-gravity: largest opening angle of the tree")));
   schema.add("planet", "tolerance", o.tolerance,
@@ -235,9 +236,11 @@ void declare(namelist::schema& schema, options& o) {
   common.time.method = "kdk";
   common.time.rtol = 0.02;
   common.kernel.name = "wendland_c4";
+  common.kernel.h_over_dx = 1.8;  // some 200 neighbours [W. Dehnen, H. Aly, MNRAS 425, 1068 (2012)]
   common.kernel.skin = 0.5;
   common.kernel.precision = "single";
   common.start.settle = 6.0;
+  o.gas.largest_support = 2.0;
   const gravity::tree_options tree;
   o.opening = tree.opening;
   o.tolerance = tree.tolerance;
@@ -263,6 +266,8 @@ void declare(namelist::schema& schema, options& o) {
 void resolve(const namelist::schema& schema, options& o) {
   auto& g = o.gas;
   gas::choose_cfl(g.common.time);
+  auto& kernel = g.common.kernel;
+  if (!schema.given("kernel", "h_over_dx") && kernel.name != "wendland_c4") kernel.h_over_dx = 0.0;
   run::resolve(schema, g.common);
   resolve_layers(schema, o);
   if (o.impact.is_asked_for()) {
