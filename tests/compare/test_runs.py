@@ -293,6 +293,29 @@ class Pictures(Case):
         said = call("compare", run, run, "--output", self.here / "page")
         self.assertEqual(said.returncode, 0, said.stderr)
 
+    def test_a_body_that_attracts_itself_has_profiles_by_radius(self):
+        run = write_run(self.here / "planet", n=6)
+        random = np.random.default_rng(3)
+        x = random.normal(0.5 * LENGTH, 0.1 * LENGTH, (500, 3))
+        x[0] = 40 * LENGTH  # has flown away: not in the picture
+        r = np.linalg.norm(x - 0.5 * LENGTH, axis=1)
+        for path in run.glob("snapshot_*.h5"):
+            path.unlink()
+        with h5py.File(run / "snapshot_0000.h5", "w") as file:
+            file.create_group("Header").attrs.update({"Time": 0.0, "Step": 0, "Dimension": 3, "BoxLengths": [LENGTH] * 3, "Periodic": [0] * 3})
+            for name, values in (("Coordinates", x), ("Velocities", np.zeros((500, 3))), ("ParticleIDs", np.arange(500)), ("Volume", np.full(500, 1.0)),
+                                 ("Density", 5.0 - r / LENGTH), ("GravitationalPotential", -1.0 / (1.0 + r / LENGTH))):
+                file[f"PartType0/{name}"] = values
+        last = runs.Run(run).snapshot()
+        ax = plots.profiles([("", last)], ["Density"]).axes[0]
+        self.assertTrue(ax.get_xlabel().startswith("radius"))
+        drawn = ax.lines[0]
+        self.assertEqual(len(drawn.get_xdata()), 495)
+        slope = np.polyfit(drawn.get_xdata(), drawn.get_ydata(), 1)[0] * drawn.get_xdata().max()
+        self.assertLess(slope, 0.0)
+        extent = last.map("Density", 50).extent
+        self.assertLess(extent[1], 2 * LENGTH)
+
     def test_movies(self):
         run = write_run(self.here / "a")
         said = call("movie", run, "--gif")

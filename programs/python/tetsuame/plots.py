@@ -133,7 +133,9 @@ def views(snapshot):
 
 
 def profiles(of: list, names: list[str], axis: int | None = None):
-    """Layer means of the fields of several snapshots: (title, snapshot)."""
+    """Layer means of the fields of several snapshots: (title, snapshot); of bodies that attract themselves by_radius()."""
+    if axis is None and all("GravitationalPotential" in snapshot for _, snapshot in of):
+        return by_radius(of, names)
     last = min(1, of[0][1].dimension - 1) if axis is None else axis
     figure, panels = style.panels(len(names), min(len(names), 4), 3.2)
     for ax, name in zip(panels, names):
@@ -149,6 +151,28 @@ def profiles(of: list, names: list[str], axis: int | None = None):
             ax.plot(*((places / across, values / size) if last == 0 else (values / size, places / across)), **style.numbered(index), label=title)
         labels = fields.label(name, unit), f"{'xyz'[last]} [{length}]"
         ax.set(**dict(zip(("ylabel", "xlabel") if last == 0 else ("xlabel", "ylabel"), labels)))
+    if len(of) > 1:
+        style.legend_above(figure, panels)
+    return figure
+
+
+def by_radius(of: list, names: list[str]):
+    """The fields of bodies that attract themselves, of every particle over its distance from the deepest place; but for the last hundredth, which may have
+    flown far away. of: (title, snapshot)."""
+    figure, panels = style.panels(len(names), min(len(names), 4), 3.2)
+    for ax, name in zip(panels, names):
+        points = []
+        for title, snapshot in of:
+            places, potential = snapshot["Coordinates"], snapshot["GravitationalPotential"]
+            deepest = potential <= np.quantile(potential, 0.002)
+            r = np.linalg.norm(places - places[deepest].mean(axis=0), axis=1)
+            near = r <= np.quantile(r, 0.99)
+            points.append((title, r[near], snapshot[name][near]))
+        size, unit = fields.scaled(of[0][1].unit(name), max(np.abs(values).max() for _, _, values in points))
+        across, length = fields.scaled("m", max(r.max() for _, r, _ in points))
+        for index, (title, r, values) in enumerate(points):
+            ax.plot(r / across, values / size, ".", markersize=2 if index else 5, color=style.numbered(index)["color"], label=title, rasterized=True)
+        ax.set(xlabel=f"radius [{length}]", ylabel=fields.label(name, unit), xlim=(0, None))
     if len(of) > 1:
         style.legend_above(figure, panels)
     return figure
