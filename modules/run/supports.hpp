@@ -4,6 +4,7 @@
 #include <foundation/error.hpp>
 #include <foundation/exact_sum.hpp>
 #include <run/lists.hpp>
+#include <utility>
 
 namespace tetsuame::run {
 
@@ -125,7 +126,7 @@ struct larger_support {
 template <int D>
 void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, const cells::grid<D>& grid) {
   auto& s = w.s;
-  const wide_supports<D> wide(S, s.total(), grid);
+  wide_supports<D> wide(S, s.total(), grid);
   particles::array others = S;
   double most = 0.0;
   for (std::size_t i = 0; i < s.total(); ++i) {
@@ -133,7 +134,7 @@ void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, c
     most = std::max(most, others[i]);
   }
   cells::make_list<D>(w.list, grid, s.x, s.fluid,
-                      larger_support<D>{s, S, skin, wide, largest_near<D>(s, others, most + skin)});
+                      larger_support<D>{s, S, skin, std::move(wide), largest_near<D>(s, others, most + skin)});
 }
 
 // rebuild() where every particle has a support, m, so many spacings about it, which may grow until `list_support` and a

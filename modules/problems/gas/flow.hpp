@@ -286,8 +286,6 @@ class flow : public run::particle_simulation<D> {
   }
   void save_globals(output::checkpoint_globals& to) const override {
     base::save_globals(to);
-    // That of a start from a file, which a restart does not read.
-    to.blobs["largest_support"] = {g_.largest_support};
     if (!first_) return;
     const auto all = std::bit_cast<numbers_of_totals>(*first_);
     to.blobs["first_totals"].assign(all.begin(), all.end());
@@ -296,8 +294,6 @@ class flow : public run::particle_simulation<D> {
   }
   void restore_globals(const output::checkpoint_globals& from) override {
     base::restore_globals(from);
-    if (const auto kept = from.blobs.find("largest_support"); kept != from.blobs.end())
-      g_.largest_support = kept->second.at(0);
     numbers_of_totals all;
     const auto& saved = from.blobs.at("first_totals");
     if (saved.size() != all.size()) foundation::fail_file("the checkpoint is of another version of this program");
