@@ -188,13 +188,13 @@ class Planet(Case):
     def test_oscillation_keeps_the_energy(self):
         """A start that is not settled rings: kinetic energy comes from the others. The softening of gravity stays; one that followed the supports did work of
         its own, 2.5e-3 of the energy."""
-        result = self.run_program("planet", "planet_earth", {**SMALL, "expert.settle": 0, "time.t_end": 600, "time.cfl": 0.1, "output.interval": 0})
+        result = self.run_program("planet", "planet_earth", {**SMALL, "kernel.h_over_dx": 2.25, "expert.settle": 0, "time.t_end": 600, "time.cfl": 0.1, "output.interval": 0})
         header, rows = result.rows()
         at = [k for k, name in enumerate(header) if name.split(" ")[0] in ("kinetic_energy", "internal_energy", "potential_energy")]
         self.assertEqual(len(at), 3)
         energy = [sum(float(row[k]) for k in at) for row in rows]
         self.assertGreater(len(energy), 2)
-        self.assertGreater(float(rows[-1][at[0]]), 3e-4 * abs(energy[0]))
+        self.assertGreater(float(rows[-1][at[0]]), 1e-3 * abs(energy[0]))
         self.assertLess(max(abs(e / energy[0] - 1) for e in energy), 2e-5)
 
     def test_ranks_and_restart(self):
@@ -237,6 +237,9 @@ class Planet(Case):
             x[lone] = 6.371e6 + 12.0 * (x[lone] - 6.371e6)
             file["PartType0/Coordinates"][:] = x
             ids = file["PartType0/ParticleIDs"][:]
+            rho = file["PartType0/Density"][:]
+            rho[lone] *= 0.8  # the widest at the start, in the file alone: a restart has to know
+            file["PartType0/Density"][:] = rho
             at_start = 3.6 * np.cbrt((file["PartType0/Masses"][:] / file["PartType0/Density"][:]).max())
         supports = {}
         for limit in (1.5, 1.2, 0.0):
