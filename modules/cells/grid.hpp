@@ -278,29 +278,35 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const 
   descend(descend, 0, index<D>{}, reach2);
 }
 
+// Bit n is set where member k + n of `count`, at most 64, is nearer to the box from `low` to `high` than the root of
+// `reach2` (m2).
+template <int D>
+std::uint64_t near_box(const grid<D>& g, std::uint32_t k, std::uint32_t count, const std::array<double, D>& low,
+                       const std::array<double, D>& high, double reach2) {
+  using foundation::lanes, foundation::real, foundation::greater;
+  std::uint64_t near = 0;
+  for (std::uint32_t c = 0; c < count; c += lanes) {
+    real r2(0.0);
+    for (std::size_t a = 0; a < D; ++a) {
+      const real x(g.sorted[a].data() + k + c, std::experimental::element_aligned);
+      const real gap = greater(greater(real(low[a] - x), real(x - high[a])), real(0.0));
+      r2 += gap * gap;
+    }
+    near |= static_cast<std::uint64_t>(foundation::bits_of_less(r2, real(reach2))) << c;
+  }
+  return near & ~std::uint64_t{0} >> (64 - count);
+}
+
 // f(k, near) for up to 64 `members` from k on, in the order of the grid: bit n of `near` is set where member k + n is
 // nearer to the box from `low` to `high` than `reach`, a rounding more or less. Not called where none is.
 template <int D, class F>
 void for_each_near(const grid<D>& g, const std::array<double, D>& low, const std::array<double, D>& high, double reach,
                    F&& f) {
-  using foundation::lanes, foundation::real, foundation::greater;
-  const real reach2(reach * reach * (1.0 + 1e-12));
+  const double reach2 = reach * reach * (1.0 + 1e-12);
   for_each_stretch<D>(g, low, high, reach, [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t k = first; k < last; k += 64) {
-      const std::uint32_t n = std::min(last - k, 64U);
-      std::uint64_t near = 0;
-      for (std::uint32_t c = 0; c < n; c += lanes) {
-        real r2(0.0);
-        for (std::size_t a = 0; a < D; ++a) {
-          const real x(g.sorted[a].data() + k + c, std::experimental::element_aligned);
-          const real gap = greater(greater(real(low[a] - x), real(x - high[a])), real(0.0));
-          r2 += gap * gap;
-        }
-        near |= static_cast<std::uint64_t>(foundation::bits_of_less(r2, reach2)) << c;
-      }
-      near &= ~std::uint64_t{0} >> (64 - n);
-      if (near != 0) f(k, near);
-    }
+    for (std::uint32_t k = first; k < last; k += 64)
+      if (const std::uint64_t near = near_box<D>(g, k, std::min(last - k, 64U), low, high, reach2); near != 0)
+        f(k, near);
   });
 }
 

@@ -323,20 +323,17 @@ struct cluster_positions {
 
 // The search about a cluster whose members lie far apart, at the ends of two rows of cells or with a particle that has
 // left the others behind: about each member, not about the box that holds all of them.
-template <int D>
 class spread_cluster {
  public:
-  // As cells::for_each_near() about the particles [first, first + n), one member of the grid at a time.
-  template <class F>
-  void for_each_near(const grid<D>& g, const std::array<particles::array, D>& x, std::size_t first, std::size_t n,
-                     double reach, F&& f) {
+  // search(i, f) as cells::for_each_near() about particle i, of [first, first + n); f(k, 1) once for each member of the
+  // grid that is found, in its order.
+  template <class Search, class F>
+  void for_each_near(std::size_t first, std::size_t n, const Search& search, F&& f) {
     found_.clear();
-    for (std::size_t i = first; i < first + n; ++i) {
-      const auto at = position<D>(x, i);
-      cells::for_each_near<D>(g, at, at, reach, [&](std::uint32_t k, std::uint64_t near) {
+    for (std::size_t i = first; i < first + n; ++i)
+      search(i, [&](std::uint32_t k, std::uint64_t near) {
         for (; near != 0; near &= near - 1) found_.push_back(k + static_cast<std::uint32_t>(std::countr_zero(near)));
       });
-    }
     std::sort(found_.begin(), found_.end());
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     for (const std::uint32_t k : found_) f(k, 1);
@@ -360,11 +357,11 @@ std::vector<unsigned char> sequences_of(const grid<D>& g) {
 }
 
 // Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
-// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j
-// with each member of the cluster. Where it also has find_wide(low, high, found), that gives the places in the grid, in
-// their order, of those members whose pairs may reach further than `most`. `among_members`: the grid's members, those
-// with the same local index, are these particles themselves, which are not their own neighbours; else they are another
-// set of particles.
+// of the cluster [first, first + n), has squared(j), m2, that of j with each member of the cluster, and `most`, m, no
+// smaller than any pair's reach. Where reach has a search of its own, for_each_near(of_cluster, cluster, spread, f),
+// that takes the place of one within `most`, and find_wide(low, high, found) gives the places in the grid, in their
+// order, of those members that it may miss. `among_members`: the grid's members, those with the same local index, are
+// these particles themselves, which are not their own neighbours; else they are another set of particles.
 template <int D, bool among_members = true, class Reach>
 void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
                const Reach& reach) {
@@ -372,7 +369,7 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
   constexpr std::size_t width = neighbour_list::width;
   const auto sequences = list.interleave > 1 ? sequences_of(g) : std::vector<unsigned char>{};
   make_rows(list, (n + width - 1) / width,
-            [&, row = row_of_clusters(), spread = spread_cluster<D>(), wide = std::vector<std::uint32_t>()](
+            [&, row = row_of_clusters(), spread = spread_cluster(), wide = std::vector<std::uint32_t>()](
                 std::size_t r, auto& made) mutable {
               const std::size_t first = r * width, members = std::min(width, n - first);
               const cluster_positions<D> cluster(x, first, members);
@@ -408,11 +405,17 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
                   add(at);
                 }
               };
-              if (cluster.longest_edge() > 4.0 * of_cluster.most)
-                spread.for_each_near(g, x, first, members, of_cluster.most, add_near);
-              else
+              if constexpr (has_wide) {
+                reach.for_each_near(of_cluster, cluster, spread, add_near);
+                add_wide_before(UINT32_MAX);
+              } else if (cluster.longest_edge() > 4.0 * of_cluster.most) {
+                const auto search = [&](std::size_t i, auto&& f) {
+                  for_each_near<D>(g, position<D>(x, i), position<D>(x, i), of_cluster.most, f);
+                };
+                spread.for_each_near(first, members, search, add_near);
+              } else {
                 for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, add_near);
-              if constexpr (has_wide) add_wide_before(UINT32_MAX);
+              }
               row.write(list.interleave, made);
               return pairs;
             });

@@ -23,6 +23,8 @@ struct state {
   } narrowest;
   std::int64_t fluid_total = 0;
   double state_time = 0.0, list_time = 0.0;  // s, of the state in the arrays; of that from which the lists were made
+  double next_dt = 0.0;                      // s, of the step ahead; 0: not known
+  double list_lifetime = 0.0;                // s, of lists for an expected motion (run/list_motion.hpp); 0: no such
 
   bool mirrors() const { return std::holds_alternative<walls::mirror>(treatment); }
   // The axes along which all that particles meet moves with them: nothing stands there.

@@ -166,6 +166,7 @@ class particle_simulation : public simulation {
     const bool wider = possible_allowance(wanted) > now * (1.0 + 1e-9);
     const bool due = (moved != 0.0 || wider) && !(moved + speed * std::min(next.dt, longest_within(now)) <= now);
     if (due) set_skin(box, skin_for(wanted));
+    box.next_dt = next.dt;
     ready.longest = {longest_within(allowance()), "displacement"};
     ready.arrays_moved = renew(due, next.step, next.steps_left);
     ready.number_changed = std::exchange(number_changed_, false);
@@ -391,6 +392,7 @@ class particle_simulation : public simulation {
     g.reals["skin"] = box.skin;
     g.blobs["frame"].assign(box.w.frame.begin(), box.w.frame.end());
     g.reals["list_time"] = box.list_time;
+    g.reals["list_lifetime"] = box.list_lifetime;
     g.integers["balance_decisions"] = balancer.decisions;
     g.integers["balance_moves"] = balancer.moves;
     g.reals["balance_gain_predicted"] = balancer.gain_predicted;
@@ -410,6 +412,7 @@ class particle_simulation : public simulation {
     set_skin(box, g.reals.at("skin"));
     std::copy_n(g.blobs.at("frame").begin(), D, box.w.frame.begin());
     box.list_time = g.reals.at("list_time");
+    box.list_lifetime = g.reals.at("list_lifetime");
     balancer.decisions = g.integers.at("balance_decisions");
     balancer.moves = g.integers.at("balance_moves");
     balancer.gain_predicted = g.reals.at("balance_gain_predicted");

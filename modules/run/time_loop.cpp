@@ -344,23 +344,34 @@ struct loop {
     make_integrator();
   }
 
+  struct settling {
+    double steps, dt, crossing;  // dt, crossing: s
+  };
+  // How a start at rest is to settle, where the input asks for it. Once the integrator is made.
+  std::optional<settling> settling_ahead() {
+    if (!o.start.settles()) return {};
+    const auto limit = p.limits(true);
+    const double crossing = p.crossing_time();
+    // The stable steps of 'kdk' are shorter than those of methods with more evaluations a step; these are as long.
+    double step_of = (o.time.method == "kdk" ? 0.8 : 0.5) * limit.stable.dt;
+    if (limit.radius > 0.0) step_of = std::min(step_of, 1.0 / limit.radius);
+    const double steps = std::ceil(o.start.settle * crossing / step_of);
+    constexpr double most = 1e6;
+    if (!(steps >= 1.0 && steps <= most))
+      foundation::fail_input(
+          fmt::format("&initial settle: {:.3g} crossings of {:.4g} s are {:.3g} steps of {:.3g} s: "
+                      "expected at most {:.0e}",
+                      o.start.settle, crossing, steps, step_of, most));
+    return settling{steps, step_of, crossing};
+  }
+
   // A damped motion before the run: symplectic Euler steps, v by its rate and then what moves with it by its own, so
   // that sound neither grows nor, but for the damping, decays. The damping 2 ω of the box's slowest wave, ω = π c/L,
   // lets that one come to rest in its shortest time, and those that are faster in e-foldings of 1/ω.
   std::string settle() {
-    if (!o.start.settles()) return {};
-    const auto limit = p.limits(true);
-    const double crossing = p.crossing_time(), radius = limit.radius;
-    // The stable steps of 'kdk' are shorter than those of methods with more evaluations a step; these are as long.
-    double step_of = (o.time.method == "kdk" ? 0.8 : 0.5) * limit.stable.dt;
-    if (radius > 0.0) step_of = std::min(step_of, 1.0 / radius);
-    const double steps_needed = std::ceil(o.start.settle * crossing / step_of);
-    constexpr double most = 1e6;
-    if (!(steps_needed >= 1.0 && steps_needed <= most))
-      foundation::fail_input(
-          fmt::format("&initial settle: {:.3g} crossings of {:.4g} s are {:.3g} steps of {:.3g} s: "
-                      "expected at most {:.0e}",
-                      o.start.settle, crossing, steps_needed, step_of, most));
+    const auto ahead = settling_ahead();
+    if (!ahead) return {};
+    const auto [steps_needed, step_of, crossing] = *ahead;
     const double kept = std::exp(-2.0 * std::numbers::pi / crossing * step_of);
     using part = simulation::damped;
     const auto move = [&](part of) {
@@ -369,7 +380,7 @@ struct loop {
         p.settle(of, rates, step_of, kept);
       });
     };
-    const auto so_far = [&](double n) {
+    const auto so_far = [&, steps_needed = steps_needed, step_of = step_of](double n) {
       return output::progress_state{static_cast<std::int64_t>(n),
                                     static_cast<std::int64_t>(steps_needed),
                                     n * step_of,
@@ -454,6 +465,7 @@ struct loop {
     report.dimension = p.dimension;
     count_values();
     make_ready();
+    const auto settles = settling_ahead();
     reduce_step_flags(nullptr);
     long long evaluations = 0;
     foundation::stopwatch watch;
@@ -470,12 +482,12 @@ struct loop {
       }
       elapsed = ranks.maximum(watch.elapsed());
     }
-    const auto text = plan_text(elapsed, integrator->statistics().evaluations - evaluations);
+    const auto text = plan_text(elapsed, integrator->statistics().evaluations - evaluations, settles);
     if (ranks.rank == 0) print(fmt::format("{} {}\n{}", line.program, line.input, text));
   }
 
   // What the whole run will take, by what the timed steps took: s, and evaluations.
-  std::string plan_text(double seconds, long long evaluations) {
+  std::string plan_text(double seconds, long long evaluations, const std::optional<settling>& settles) {
     const double last_dt = integrator->statistics().last_dt, to_go = t_end() - integrator->time();
     const auto asked = steps_asked().value_or(0);
     const double left = last_dt > 0.0 ? std::max(0.0, std::ceil(to_go / last_dt * (1.0 - 1e-9))) : 0.0;
@@ -514,7 +526,15 @@ struct loop {
     add("a step", fmt::format("{:.3g} s", a_step(seconds)),
         fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", timed, a_step(evaluations),
                     ranks.size, omp_get_max_threads()));
-    add("run time", duration_text(steps * a_step(seconds)), "without output");
+    double run_time = steps * a_step(seconds);
+    if (settles) {
+      constexpr double evaluations_a_step = 2.0;
+      add("settling", fmt::format("{:.0f} steps", settles->steps),
+          fmt::format("of {:.4g} s before the run, with {:.0f} right-hand sides each", settles->dt,
+                      evaluations_a_step));
+      if (evaluations > 0) run_time += settles->steps * evaluations_a_step * seconds / static_cast<double>(evaluations);
+    }
+    add("run time", duration_text(run_time), "without output");
     add("memory", size_text(resident_bytes(ranks)), "of all ranks together");
     add("snapshots", fmt::format("{:.4g}", snapshots),
         fmt::format("of {} each, {} together", size_text(snapshot), size_text(snapshots * snapshot)));

@@ -114,6 +114,16 @@ class OfAnInput(Case):
                 self.assertLess(abs(math.log(float(said["steps"].split()[0]) / steps)), math.log(1.5))
         self.assertEqual(list((self.here / "temporary").iterdir()), [])
 
+    def test_a_start_that_settles(self):
+        """Its steps are those of the run, and their time is a part of the run's."""
+        settings = {"planet.particles": 300, "expert.settle": 1, "time.t_end": 50, "output.interval": 0}
+        words = [INPUTS / "planet_earth.nml", *(word for key, value in settings.items() for word in ("--set", f"{key}={value}"))]
+        said = self.figures(self.call("planet", *words, "--plan"))
+        log = (self.run_program("planet", "planet_earth", settings).directory / "run.log").read_text()
+        self.assertIn(f"settled: {said['settling'].split()[0]} steps of", log)
+        still = self.figures(self.call("planet", *words, "--set", "expert.settle=0", "--plan"))
+        self.assertNotIn("settling", still)
+
     def test_ranks(self):
         said = self.figures(self.call("plan", INPUTS / "hydrostatic_12.nml", *self.SMALL, "--ranks", 2))
         self.assertIn("on 2 x ", said["a step"])

@@ -1,8 +1,9 @@
-// Neighbour lists of particles with supports of their own, a few of them far larger than the others.
+// Neighbour lists of particles with supports of their own, a few of them far larger than the others, and of particles
+// that are expected to move.
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <random>
-#include <run/supports.hpp>
+#include <run/reach.hpp>
 
 using namespace tetsuame;
 
@@ -36,18 +37,22 @@ struct cloud {
 
 using rows = std::vector<std::vector<std::uint32_t>>;
 
-rows listed(const cloud& c, double skin, std::size_t interleave) {
-  pairs::workspace<3> w;
-  w.s = c.s;
-  w.list.interleave = interleave;
-  run::make_list<3>(w, c.S, skin, cells::make_grid<3>(c.s.x, c.s.id, c.s.fluid, 2.0));
-  rows all(c.s.fluid);
+rows rows_of(const pairs::workspace<3>& w) {
+  rows all(w.s.fluid);
   for (std::size_t r = 0; r < w.list.rows(); ++r)
     w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) {
       for (std::size_t lane = 0; lane < cells::neighbour_list::width; ++lane)
         if ((of_lanes >> lane & 1U) != 0) all[r * cells::neighbour_list::width + lane].push_back(j);
     });
   return all;
+}
+
+rows listed(const cloud& c, double skin, std::size_t interleave) {
+  pairs::workspace<3> w;
+  w.s = c.s;
+  w.list.interleave = interleave;
+  run::make_list<3>(w, {c.S, skin}, cells::make_grid<3>(c.s.x, c.s.id, c.s.fluid, 2.0));
+  return rows_of(w);
 }
 
 // Of all pairs, in the order of the grid.
@@ -82,4 +87,50 @@ BOOST_AUTO_TEST_CASE(neighbours_within_the_larger_support) {
 BOOST_AUTO_TEST_CASE(no_particles) {
   const cloud none(0, {});
   BOOST_TEST(listed(none, 0.3, 1).empty());
+}
+
+// Two halves that pass each other and turn, and a few that fly through them: wherever particles go within their ranges,
+// those that come near are in the list, which is not that of all pairs.
+BOOST_AUTO_TEST_CASE(neighbours_of_what_moves) {
+  constexpr double lifetime = 2.0, rest = 0.1;
+  cloud c(2000, std::vector<double>(20, 5.0));
+  pairs::workspace<3> w;
+  w.s = c.s;
+  auto& s = w.s;
+  const run::list_motion<3> motion{particles::declare_vector<3>(s, "Velocity", "m/s", particles::role::memory),
+                                   particles::declare(s, "Range", "m", particles::role::memory)};
+  std::mt19937_64 engine(11);
+  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const bool flies = i % 97 == 0;
+    motion.range[i] = flies ? 1.5 : 0.05 + 0.1 * uniform();
+    motion.velocity[0][i] = (s.x[2][i] > 6.0 ? 0.4 : -0.4) - 0.03 * s.x[1][i] + (flies ? 3.0 : 0.0);
+    motion.velocity[1][i] = 0.03 * s.x[0][i];
+    motion.velocity[2][i] = flies ? -1.0 : 0.0;
+  }
+  run::make_list<3>(w, {c.S, rest, &motion, lifetime}, cells::make_grid<3>(s.x, s.id, s.fluid, 2.0));
+  auto found = rows_of(w);
+  for (auto& row : found) std::ranges::sort(row);
+  std::size_t near = 0, in_list = 0;
+  for (const auto& row : found) in_list += row.size();
+  for (const double time : {0.0, 0.7, lifetime}) {
+    auto x = s.x;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      std::array<double, 3> way;
+      double length2 = 0.0;
+      for (auto& component : way) length2 += std::pow(component = uniform() - 0.5, 2);
+      for (std::size_t a = 0; a < 3; ++a)
+        x[a][i] += motion.velocity[a][i] * time + motion.range[i] * way[a] / std::sqrt(length2);
+    }
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      for (std::uint32_t j = 0; j < s.fluid; ++j) {
+        double r2 = 0.0;
+        for (std::size_t a = 0; a < 3; ++a) r2 += std::pow(x[a][i] - x[a][j], 2);
+        if (i == j || std::sqrt(r2) >= std::max(c.S[i], c.S[j]) + rest) continue;
+        ++near;
+        BOOST_TEST_REQUIRE(std::ranges::binary_search(found[i], j));
+      }
+  }
+  BOOST_TEST(near > 3 * 2000 * 10);
+  BOOST_TEST(in_list < 2020 * 2019 / 5);
 }

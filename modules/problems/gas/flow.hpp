@@ -201,6 +201,7 @@ class flow : public run::particle_simulation<D> {
   }
   double sound_of_start() override { return g_.speed_scale; }
   run::apart moved() override { return gas::moved(g_); }
+  run::apart speed() override { return gas::speed(g_); }
   double allowance() const override { return gas::allowance(g_); }
   bool settles_along(const double* values) const override {
     return values == g_.w.s.u.data() || values == g_.evolved.data();

@@ -11,7 +11,8 @@ void next_supports(world<D>& g) {
   const double target = std::pow(g.support_over_dx, D);
   foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
     const double S = g.support[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
-    g.support[i] = std::min({next, g.list_support[i] + g.room_to_grow(), g.largest_support});
+    g.support_growth[i] = next - S;
+    g.support[i] = std::min({next, g.list_support[i], g.largest_support});
     g.S[i] = g.support[i];
   });
 }
@@ -37,32 +38,47 @@ void refresh_constants(world<D>& g) {
   walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.m, &g.start_volume, &g.gamma, &g.stiffness, &g.kind}));
 }
 
-// With supports of the particles' own.
-template <int D>
-void make_lists(world<D>& g, bool as_they_were) {
-  auto& s = g.w.s;
-  run::rebuild_with_supports(g, as_they_were, g.support_over_dx, g.support, g.list_support);
-  const foundation::stage timed(g.w.times, "lists");
-  particles::clear_derived(s);
-  refresh_constants(g);
-  std::copy_n(g.support.begin(), s.fluid, g.S.begin());
-}
-
 // m, what the lists cover.
 template <int D>
 double allowance(const world<D>& g) {
   return 0.5 * (g.skin - g.room_to_grow());
 }
 
+template <int D>
+run::growing_supports supports(world<D>& g) {
+  return {g.support_over_dx, g.support, g.list_support, g.room_to_grow(), g.largest_support, &g.support_growth};
+}
+
+// With supports of the particles' own.
+template <int D>
+void make_lists(world<D>& g, bool as_they_were) {
+  auto& s = g.w.s;
+  run::rebuild_with_supports(g, as_they_were, supports(g), &g.motion, allowance(g));
+  const foundation::stage timed(g.w.times, "lists");
+  particles::clear_derived(s);
+  refresh_constants(g);
+  std::copy_n(g.support.begin(), s.fluid, g.S.begin());
+}
+
 // Displacement, or the whole allowance where a support has no more room to grow.
 template <int D>
 run::apart moved(world<D>& g) {
-  const double growth =
-      foundation::largest_of(g.w.s.fluid, 0.0, [&](std::size_t i) { return g.support[i] - g.list_support[i]; });
-  const bool no_room = growth >= g.room_to_grow() * (1.0 - 1e-9);
-  run::apart all = run::moved_since_lists(g);
-  if (no_room || run::drifted(g, all.numbers[run::apart::longest])) all.numbers[run::apart::at_least] = allowance(g);
+  run::apart all;
+  if (g.list_lifetime > 0.0) {
+    all = run::ranges_used(g, g.motion, allowance(g));
+  } else {
+    all = run::moved_since_lists(g);
+    if (run::drifted(g, all.numbers[run::apart::longest])) all.numbers[run::apart::at_least] = allowance(g);
+  }
+  if (supports(g).have_no_room(g.w.s.fluid))
+    all.numbers[run::apart::at_least] = std::max(all.numbers[run::apart::at_least], allowance(g));
   return all;
+}
+
+// m/s
+template <int D>
+run::apart speed(const world<D>& g) {
+  return g.list_lifetime > 0.0 ? run::speeds_of_use(g, g.motion, allowance(g)) : run::velocities(g);
 }
 
 }  // namespace tetsuame::gas

@@ -4,6 +4,7 @@
 #include <functional>
 #include <gas/setup_parts.hpp>
 #include <memory>
+#include <planet/fragments.hpp>
 #include <planet/options.hpp>
 #include <planet/shells.hpp>
 #include <planet/sums.hpp>
@@ -133,6 +134,15 @@ gas::setup impact_start(const options& o) {
                  return gas::distance(centre_of(w, is_target).place, centre_of(w, std::not_fn(is_target)).place);
                }}};
   const std::int32_t metal = o.material_of(0);
+  const auto found = std::make_shared<metal_of_impactor>();  // of a line: its first column has it looked for
+  t.traces.push_back({"impactor_metal_pieces", "1", [=](const view& w) {
+                        *found = find_metal_of_impactor(w, of_target, metal);
+                        return found->pieces;
+                      }});
+  t.traces.push_back({"impactor_metal_largest", "1", [=](const view&) { return found->largest; }});
+  t.traces.push_back({"impactor_metal_merged", "1", [=](const view&) { return found->merged; }});
+  t.traces.push_back({"impactor_metal_mixed", "1", [=](const view&) { return found->mixed; }});
+  t.traces.push_back({"impactor_metal_distance", "m", [=](const view&) { return found->distance; }});
   t.measures = [bodies, metal](const view& w, const gas::samples&) {
     const remnants left = find_remnants(w, bodies->target, metal);
     gas::numbers told{{"planet_radius", left.planet_radius}};

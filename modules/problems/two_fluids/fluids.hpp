@@ -60,7 +60,7 @@ class fluids {
   particles::array& content_start = field(enthalpy, "StartEnthalpy", "J/kg", role::constant);
   particles::array& element = field(dissolved, "Concentration", "1", role::integrated);  // amount per mass
   particles::array& support = field(follows, "Support", "m", role::memory);              // at the start of the step
-  particles::array& list_support = field(follows, "ListSupport", "m", role::memory);     // when lists were made
+  particles::array& list_support = field(follows, "ListSupport", "m", role::memory);     // what lists let it be
 
   // Where supports follow the volume (supports.hpp): the kernel with support 1, that of the start, those in the sums.
   kernels::any<D> unit = kernels::make<D>("quintic", 1.0);

@@ -129,7 +129,7 @@ void next_supports(fluids<D>& f) {
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double next = f.carried ? f.S_0 / f.world.w.dx * std::pow(s.m[i] / s.rho[i], 1.0 / D)
                                   : schemes::next_support(f.support[i], f.count[i], f.count_slope[i], target);
-    f.support[i] = std::min(next, f.list_support[i] + room_to_grow(f));
+    f.support[i] = std::min(next, f.list_support[i]);
   });
 }
 
@@ -150,11 +150,9 @@ void follow_volumes(fluids<D>& f) {
   take_supports(f);
 }
 
-// m, that the supports of this rank have grown since the lists were made.
 template <int D>
-double grown(const fluids<D>& f) {
-  return foundation::largest_of(f.world.w.s.fluid, 0.0,
-                                [&](std::size_t i) { return f.support[i] - f.list_support[i]; });
+run::growing_supports supports(fluids<D>& f) {
+  return {f.S_0 / f.world.w.dx, f.support, f.list_support, room_to_grow(f)};
 }
 
 // The smallest support over that of the start, which steps are for.
@@ -171,7 +169,7 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   auto& w = f.world.w;
   auto& s = w.s;
   if (f.follows)
-    run::rebuild_with_supports(f.world, as_they_were, f.S_0 / w.dx, f.support, f.list_support);
+    run::rebuild_with_supports(f.world, as_they_were, supports(f));
   else
     run::rebuild(f.world, as_they_were);
   if (f.isothermal()) {

@@ -82,7 +82,7 @@ class problem : public liquid::problem<D> {
   // Supports take a part of the skin, and particles the rest.
   run::apart moved() override {
     run::apart all = base::moved();
-    if (f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9)) all.numbers[run::apart::at_least] = allowance();
+    if (f_.follows && supports(f_).have_no_room(f_.world.w.s.fluid)) all.numbers[run::apart::at_least] = allowance();
     return all;
   }
   double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
