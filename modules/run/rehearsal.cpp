@@ -146,6 +146,7 @@ rehearsal rehearse(const command_line& line, const std::vector<std::string>& cha
   checked.emplace_back("--check");
   if (folder.path.empty() || run_again(checked, folder.path / "resolved") != 0) return r;
   const auto along = particles_in(text_of(folder.path / "resolved"));
+  if (along.empty()) return r;  // no lattice
   const auto ways = divisors(along);
   for (std::size_t n = 0; n < std::min<std::size_t>(most_tries, ways.size()); ++n) {
     auto smaller = words;

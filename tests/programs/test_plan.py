@@ -116,11 +116,13 @@ class OfAnInput(Case):
 
     def test_a_start_that_settles(self):
         """Its steps are those of the run, and their time is a part of the run's."""
-        settings = {"planet.particles": 300, "expert.settle": 1, "time.t_end": 50, "output.interval": 0}
+        settings = {"planet.particles": 300, "expert.settle": 1, "time.t_end": 2000, "output.interval": 0}
         words = [INPUTS / "planet_earth.nml", *(word for key, value in settings.items() for word in ("--set", f"{key}={value}"))]
         said = self.figures(self.call("planet", *words, "--plan"))
-        log = (self.run_program("planet", "planet_earth", settings).directory / "run.log").read_text()
-        self.assertIn(f"settled: {said['settling'].split()[0]} steps of", log)
+        run = self.run_program("planet", "planet_earth", settings)
+        self.assertIn(f"settled: {said['settling'].split()[0]} steps of", (run.directory / "run.log").read_text())
+        self.assertIn("how dt changes is not known", said["steps"])  # no lattice that could be coarser
+        self.assertLess(abs(math.log(float(said["steps"].split()[0]) / run.summary["steps"])), math.log(1.5))
         still = self.figures(self.call("planet", *words, "--set", "expert.settle=0", "--plan"))
         self.assertNotIn("settling", still)
 
