@@ -14,7 +14,7 @@
 
 namespace tetsuame::run {
 
-// Fields of the particles that follow it; the time is state::list_lifetime.
+// Fields of the particles that follow it, in space without periods; the time is state::list_lifetime.
 template <int D>
 struct list_motion {
   particles::vector_field<D> velocity;  // m/s, ū
@@ -117,39 +117,28 @@ double own_speed(const state<D>& box, const particles::vector_field<D>& mean, st
 }
 
 // Collective. s, how long lists live whose particles move so: some steps, but no longer than until particles have moved
-// against each other by a part of a mean support (m), most of them by a smaller part; at least two. Never longer than
-// until they have used what the periods have to spare (m), or one has gone a part of a period.
+// against each other by a part of a mean support (m), most of them by a smaller part; at least two.
 template <int D>
-double lifetime_of_lists(const state<D>& box, const particles::vector_field<D>& mean, double mean_support,
-                         double spare) {
-  constexpr double most_steps = 16.0, least_steps = 2.0, of_support = 0.5, of_usual = 0.05, of_period = 0.25;
+double lifetime_of_lists(const state<D>& box, const particles::vector_field<D>& mean, double mean_support) {
+  constexpr double most_steps = 16.0, least_steps = 2.0, of_support = 0.5, of_usual = 0.05;
   const auto& s = box.w.s;
   foundation::exact_sum all;
-  double own_most = 0.0, periods = 0.0;  // m/s; 1/s, of a mean velocity
-  std::array<double, D> up, down;        // m/s, the largest component of a mean velocity, and -1 times the least
-  up.fill(-std::numeric_limits<double>::infinity());
-  down = up;
+  std::array<double, 1 + 2 * D>
+      most;  // m/s: own speed; the largest component of a mean velocity, and -1 times the least
+  most.fill(-std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const double own = own_speed<D>(box, mean, i);
     all.add(own);
-    own_most = std::max(own_most, own);
+    most[0] = std::max(most[0], own);
     for (std::size_t a = 0; a < D; ++a) {
-      if (box.w.d.region.periodic[a]) periods = std::max(periods, std::abs(mean[a][i]) / box.w.d.region.length[a]);
-      up[a] = std::max(up[a], mean[a][i]);
-      down[a] = std::max(down[a], -mean[a][i]);
+      most[1 + a] = std::max(most[1 + a], mean[a][i]);
+      most[1 + D + a] = std::max(most[1 + D + a], -mean[a][i]);
     }
   }
   const double usual = box.w.d.ranks.exact(all) / static_cast<double>(box.fluid_total);
-  std::array<double, 2 + 2 * D> most{own_most, periods};
-  std::copy_n(up.begin(), D, most.begin() + 2);
-  std::copy_n(down.begin(), D, most.begin() + 2 + D);
   box.w.d.ranks.maximum(most);
-  double between = 0.0, parted = 2.0 * most[0];
-  for (std::size_t a = 0; a < D; ++a) {
-    const double range = most[2 + a] + most[2 + D + a];
-    between = std::hypot(between, range);
-    parted += range;
-  }
+  double between = 0.0;
+  for (std::size_t a = 0; a < D; ++a) between = std::hypot(between, most[1 + a] + most[1 + D + a]);
   double lives = most_steps * box.next_dt;
   const auto at_most = [&](double length, double speed) {
     if (speed > 0.0) lives = std::min(lives, length / speed);
@@ -157,19 +146,17 @@ double lifetime_of_lists(const state<D>& box, const particles::vector_field<D>& 
   at_most(of_support * mean_support, std::max(most[0], between));
   at_most(of_usual * mean_support, usual);
   lives = std::max(lives, least_steps * box.next_dt);
-  at_most(0.99 * spare, parted);
-  at_most(of_period, most[1]);
   return std::isfinite(lives) ? lives : 0.0;  // all are at rest, and no step is known
 }
 
 // Collective, before lists of the present places are made. Where no step is known yet, lists have no time: ū = 0.
 template <int D>
-void expect_motion(state<D>& box, const list_motion<D>& by, double mean_support, double allowance, double spare) {
+void expect_motion(state<D>& box, const list_motion<D>& by, double mean_support, double allowance) {
   auto& s = box.w.s;
   box.list_lifetime = 0.0;
   if (box.next_dt > 0.0) {
     set_mean_velocities<D>(box, mean_support, by.velocity);
-    box.list_lifetime = lifetime_of_lists<D>(box, by.velocity, mean_support, spare);
+    box.list_lifetime = lifetime_of_lists<D>(box, by.velocity, mean_support);
   }
   if (box.list_lifetime == 0.0)
     for (std::size_t a = 0; a < D; ++a) std::fill_n(by.velocity[a].begin(), s.fluid, 0.0);

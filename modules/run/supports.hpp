@@ -36,25 +36,23 @@ double mean_support(const state<D>& box, const particles::array& support) {
   return box.w.d.ranks.exact(all) / static_cast<double>(box.fluid_total);
 }
 
-// m, what the periods have beside the widest pair; a kernel that is wider than a period would meet itself.
+// A kernel that is wider than a period would meet itself. widest: m, of a pair.
 template <int D>
-double spare_of_periods(const state<D>& box, double widest) {
-  double spare = std::numeric_limits<double>::infinity();
+void expect_within_periods(const state<D>& box, double widest) {
   for (std::size_t a = 0; a < D; ++a)
-    if (box.w.d.region.periodic[a]) spare = std::min(spare, box.w.d.region.length[a] - widest * (1.0 + 1e-6));
-  if (spare < 0.0) foundation::fail_calculation("a particle's kernel has grown wider than the periodic box");
-  return spare;
+    if (box.w.d.region.periodic[a] && widest * (1.0 + 1e-6) > box.w.d.region.length[a])
+      foundation::fail_calculation("a particle's kernel has grown wider than the periodic box");
 }
 
 // Each may grow by the same room, or as much as it would in the time of the lists by its growth in the last step, as
-// supports of what is thrown out do; by no more than `most`, m.
+// supports of what is thrown out do.
 template <int D>
-void allow_growth(const state<D>& box, const growing_supports& supports, double most) {
+void allow_growth(const state<D>& box, const growing_supports& supports) {
   constexpr double faster = 1.5;
   const double steps = box.list_lifetime > 0.0 ? faster * box.list_lifetime / box.next_dt : 0.0;
   foundation::for_all(box.w.s.fluid, [&](std::size_t i) {
     const double S = supports.now[i];
-    const double grows = supports.growth != nullptr ? std::min({steps * (*supports.growth)[i], S, most}) : 0.0;
+    const double grows = supports.growth != nullptr ? std::min(steps * (*supports.growth)[i], S) : 0.0;
     supports.allowed[i] = std::max(S, std::min(S + std::max(supports.room, grows), supports.largest));
   });
 }
@@ -78,10 +76,9 @@ void rebuild_with_supports(state<D>& box, bool as_they_were, const growing_suppo
   };
   const auto lengths = [&] {
     if (!as_they_were) {
-      // Half of it for particles that move, half for supports that grow.
-      const double spare = 0.5 * detail::spare_of_periods(box, widest(supports.now) + box.skin);
-      if (motion != nullptr) expect_motion<D>(box, *motion, detail::mean_support(box, supports.now), allowance, spare);
-      detail::allow_growth(box, supports, spare);
+      detail::expect_within_periods(box, widest(supports.now) + box.skin);
+      if (motion != nullptr) expect_motion<D>(box, *motion, detail::mean_support(box, supports.now), allowance);
+      detail::allow_growth(box, supports);
     }
     double most = widest(supports.allowed) + skin;
     if (motion != nullptr) {

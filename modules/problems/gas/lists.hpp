@@ -11,7 +11,7 @@ void next_supports(world<D>& g) {
   const double target = std::pow(g.support_over_dx, D);
   foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
     const double S = g.support[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
-    g.support_growth[i] = next - S;
+    if (g.lists_follow) g.support_growth[i] = next - S;
     g.support[i] = std::min({next, g.list_support[i], g.largest_support});
     g.S[i] = g.support[i];
   });
@@ -46,14 +46,15 @@ double allowance(const world<D>& g) {
 
 template <int D>
 run::growing_supports supports(world<D>& g) {
-  return {g.support_over_dx, g.support, g.list_support, g.room_to_grow(), g.largest_support, &g.support_growth};
+  return {g.support_over_dx, g.support,         g.list_support,
+          g.room_to_grow(),  g.largest_support, g.lists_follow ? &g.support_growth : nullptr};
 }
 
 // With supports of the particles' own.
 template <int D>
 void make_lists(world<D>& g, bool as_they_were) {
   auto& s = g.w.s;
-  run::rebuild_with_supports(g, as_they_were, supports(g), &g.motion, allowance(g));
+  run::rebuild_with_supports(g, as_they_were, supports(g), g.lists_follow ? &g.motion : nullptr, allowance(g));
   const foundation::stage timed(g.w.times, "lists");
   particles::clear_derived(s);
   refresh_constants(g);

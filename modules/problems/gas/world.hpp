@@ -41,11 +41,17 @@ struct world : run::state<D>, schemes::arrays<D> {
 
   // Fields that go with the particles.
   particles::array& support = field("Support", "m", "support of the kernel at the start of the step");
-  particles::array& support_growth = field("SupportGrowth", "m", "in the last step, whatever the lists allow");
+  // In open space lists follow the flow. In boxes they keep the frame of all, in which no list ends by where a period
+  // or a wall lies.
+  const bool lists_follow = in_open_space();
+  particles::array& support_growth = particles::declare_if(
+      lists_follow, w.s, "SupportGrowth", "m", particles::role::memory, "in the last step, whatever the lists allow");
   particles::array& list_support = field("ListSupport", "m", "what lists let the support grow to");
-  run::list_motion<D> motion = {particles::declare_vector<D>(w.s, "ListVelocity", "m/s", particles::role::memory,
-                                                             "mean about a particle, while the lists live"),
-                                field("ListRange", "m", "how far lists let a particle be from where that takes it")};
+  run::list_motion<D> motion = {
+      particles::declare_vector_if<D>(lists_follow, w.s, "ListVelocity", "m/s", particles::role::memory,
+                                      "mean about a particle, while the lists live"),
+      particles::declare_if(lists_follow, w.s, "ListRange", "m", particles::role::memory,
+                            "how far lists let a particle be from where that takes it")};
   particles::array& alpha = field("Alpha", "1", "of the artificial viscosity", particles::role::integrated);
   particles::array& start_volume = field("StartVolume", "m^D", "mass over density at the start");
   particles::array& start_sum = field("StartSum", "1", "sum of StartVolume W at the start");
