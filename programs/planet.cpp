@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
       .declare = [&](namelist::schema& schema) { planet::declare(schema, o); },
       .complete = [&](const namelist::schema& schema) { planet::resolve(schema, o); },
       .need =
-          [&] { return run::need_of(static_cast<double>(o.number_of_particles()), 1290.0, o.gas.common.kernel, 3); },
+          [&] { return run::need_of(static_cast<double>(o.number_of_particles()), 1330.0, o.gas.common.kernel, 3); },
       .particles_key = {"planet", "particles"},
       .add_options =
           [&](CLI::App& app, run::command_line&) {

@@ -163,6 +163,15 @@ class Planet(Case):
         self.assertAlmostEqual(np.cross(apart, towards)[2] / (math.sqrt(0.5) * R * m["contact_speed"]), 1.0, delta=1e-6)
         self.assertAlmostEqual(float(rows[0][names.index("separation")]) / np.linalg.norm(apart), 1.0, delta=1e-9)
         self.assertLess(np.linalg.norm((mass[:, None] * v).sum(0)) / (M * m["contact_speed"]), 1e-12)
+        # The impactor's metal comes as one piece, and breaks where it grazes the target's.
+        metal = {name: [float(row[names.index(f"impactor_metal_{name}")]) for row in rows] for name in ("pieces", "largest", "merged", "mixed", "distance")}
+        self.assertEqual([metal[name][0] for name in ("pieces", "merged")], [1, 0])
+        self.assertAlmostEqual(metal["largest"][0], 1.0, delta=1e-12)
+        self.assertAlmostEqual(metal["distance"][0] / np.linalg.norm(apart), 1.0, delta=0.05)
+        self.assertGreater(metal["pieces"][-1], 1)
+        self.assertLess(metal["largest"][-1] + metal["merged"][-1], 1.0 - 1e-9)
+        self.assertGreater(metal["mixed"][-1], 0.0)
+        self.assertLess(min(metal["distance"]), 0.3 * metal["distance"][0])
         # An hour of free fall of two points with no energy: r^(3/2) falls in proportion to the time where they meet head on; here less steeply.
         self.assertGreater(np.linalg.norm(apart), 2.0 * R)
 

@@ -79,48 +79,52 @@ class pieces {
   std::vector<std::size_t> parent_;
 };
 
+using metal_particles = std::vector<collected::one>;
+
+// Of friends of friends.
+pieces pieces_of(const metal_particles& m, const cells::grid<3>& grid, double widest) {
+  pieces all(m.size());
+  for (std::size_t i = 0; i < m.size(); ++i)
+    for_each_place(grid, m[i].x, widest, [&](std::size_t j) {
+      if (gas::distance(m[i].x, m[j].x) < friends * 0.5 * (m[i].spacing + m[j].spacing)) all.join(i, j);
+    });
+  return all;
+}
+
+// How many places of the grid are that near to each particle of metal; 0 for those below this ID.
+std::vector<double> number_near(const metal_particles& m, std::int64_t first_id, const cells::grid<3>& grid,
+                                const std::vector<gas::point>& places) {
+  std::vector<double> found(m.size(), 0.0);
+  for (std::size_t i = 0; i < m.size(); ++i)
+    if (const double reach = friends * m[i].spacing; m[i].id >= first_id)
+      for_each_place(grid, m[i].x, reach, [&](std::size_t j) {
+        if (gas::distance(m[i].x, places[j]) < reach) found[i] += 1.0;
+      });
+  return found;
+}
+
 }  // namespace
 
 metal_of_impactor find_metal_of_impactor(const gas::view& w, std::int64_t first_of_impactor, std::int32_t metal) {
   const collected all_metal(w, of_material(w, metal));
   const auto& m = all_metal.all;
+  metal_of_impactor found;
+  if (m.empty()) return found;
   double widest = 0.0;
-  std::vector<gas::point> places;
+  std::vector<gas::point> places, rocks;
   for (const auto& p : m) {
     places.push_back(p.x);
     widest = std::max(widest, friends * p.spacing);
   }
-  const auto is_of_impactor = [&](std::size_t i) { return m[i].id >= first_of_impactor; };
-  const auto link = [&](std::size_t i, std::size_t j) { return friends * 0.5 * (m[i].spacing + m[j].spacing); };
-  metal_of_impactor found;
-  if (m.empty()) return found;
-
-  const auto grid = grid_of(places, widest);
-  pieces sets(m.size());
-  std::vector<double> metal_near(m.size(), 0.0);  // kg
-  for (std::size_t i = 0; i < m.size(); ++i)
-    for_each_place(grid, m[i].x, widest, [&](std::size_t j) {
-      const double distance = gas::distance(m[i].x, m[j].x);
-      if (distance < link(i, j)) sets.join(i, j);
-      if (distance < friends * m[i].spacing) metal_near[i] += m[j].mass;
-    });
-
-  std::vector<gas::point> rocks;
-  std::vector<std::size_t> rock;
   for (std::size_t i = 0; i < w.n; ++i)
-    if (w.material[i] != metal) {
-      rocks.push_back(w.place(i));
-      rock.push_back(i);
-    }
-  const auto grid_of_rock = grid_of(rocks, widest);
-  std::vector<foundation::exact_sum> rock_sums(m.size());
-  for (std::size_t i = 0; i < m.size(); ++i)
-    if (is_of_impactor(i))
-      for_each_place(grid_of_rock, m[i].x, friends * m[i].spacing, [&](std::size_t k) {
-        if (gas::distance(m[i].x, rocks[k]) < friends * m[i].spacing) rock_sums[i].add(w.m[rock[k]]);
-      });
-  const auto rock_near = w.ranks.exact(rock_sums);
+    if (w.material[i] != metal) rocks.push_back(w.place(i));
+  const auto grid = grid_of(places, widest);
+  pieces sets = pieces_of(m, grid, widest);
+  const auto metal_near = number_near(m, first_of_impactor, grid, places);
+  auto rock_near = number_near(m, first_of_impactor, grid_of(rocks, widest), rocks);
+  w.ranks.sum(rock_near);  // whole numbers
 
+  const auto is_of_impactor = [&](std::size_t i) { return m[i].id >= first_of_impactor; };
   std::vector<double> of_impactor(m.size(), 0.0), of_target(m.size(), 0.0);  // kg, of each piece
   double whole = 0.0, target_metal = 0.0;
   gas::point centre{};
@@ -134,7 +138,7 @@ metal_of_impactor find_metal_of_impactor(const gas::view& w, std::int64_t first_
   for (double& c : centre) c /= target_metal;
   for (std::size_t i = 0; i < m.size(); ++i) {
     const bool merged = of_target[sets.of(i)] >= of_impactor[sets.of(i)];
-    if (sets.of(i) == i && !merged && of_impactor[i] > 0.0) {
+    if (sets.of(i) == i && !merged) {
       found.pieces += 1.0;
       found.largest = std::max(found.largest, of_impactor[i] / whole);
     }

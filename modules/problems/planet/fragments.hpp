@@ -9,7 +9,7 @@ namespace tetsuame::planet {
 // Pieces are found as friends of friends [M. Davis et al., Astrophys. J. 292, 371 (1985)]: particles of metal hang
 // together if they are nearer than 1.5 spacings, the mean of both, (m/ρ)^(1/3) each and at most twice the mean of all
 // metal. Metal of the impactor has merged if half of its piece or more is metal of the target; it is mixed if
-// within 1.5 spacings of it there is no less rock than metal.
+// within 1.5 spacings of it there are no fewer particles of rock than of metal, it among them.
 struct metal_of_impactor {
   double pieces = 0.0;                              // that have not merged
   double largest = 0.0, merged = 0.0, mixed = 0.0;  // mass over that of all metal of the impactor
