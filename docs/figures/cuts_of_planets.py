@@ -8,7 +8,10 @@
     planet inputs/planet_metal.nml --output DIR
     cuts_of_planets.py DIR FIGURE.png --hours 0 3.5 4.9 8.3 --half-width 4 --slab 0.4 --names ocean metal interior
 
---names: of the materials by number; with --target, the number of the target's particles, then of the impactor's."""
+    planet inputs/planet_layer_2d.nml --set time.t_end=9000 --output DIR
+    cuts_of_planets.py DIR FIGURE.png --hours 0 1.0 1.7 2.5 --half-width 0.52 --names mantle metal interior
+
+A cylinder is drawn whole. --names: of the materials by number; with --target, the number of the target's particles, then of the impactor's."""
 import argparse
 from pathlib import Path
 
@@ -46,7 +49,7 @@ def main() -> None:
             part = file["PartType0"]
             x, m, ids, material = (part[name][:] for name in ("Coordinates", "Masses", "ParticleIDs", "Material"))
         x = (x - (m[:, None] * x).sum(0) / m.sum()) / 1e6
-        near = np.abs(x[:, 2]) < a.slab
+        near = np.abs(x[:, 2]) < a.slab if x.shape[1] == 3 else np.full(len(x), True)
         for number, name in enumerate(a.names):
             of_body = True if a.target is None else (ids >= a.target) == (number >= materials)
             those = near & of_body & (material == number % materials)

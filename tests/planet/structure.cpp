@@ -92,6 +92,36 @@ BOOST_AUTO_TEST_CASE(nearly_incompressible_balls) {
   }
 }
 
+// A cylinder of one density: p_c = π G ρ² R² + p_s, and the same law of r².
+BOOST_AUTO_TEST_CASE(incompressible_cylinder) {
+  const double rho = 3000.0, R = 1e6, M = pi * rho * R * R, p0 = pi * G * rho * rho * R * R;
+  const profile p = planet::structure_of_mass(
+      {{{"body", linear(1e15, rho), 1.0}}, M, 1e5, 300.0, temperature_law::isothermal, 0.0, {2}});
+  BOOST_TEST(p.radius() == R, boost::test_tools::tolerance(5e-6));
+  BOOST_TEST(p.centre().p == p0 + 1e5, boost::test_tools::tolerance(1e-5));
+  BOOST_TEST(p.at(0.5 * R, 0).p == 0.75 * p0 + 1e5, boost::test_tools::tolerance(1e-4));
+  BOOST_TEST(p.at_mass(0.25 * M, 0).r == 0.5 * R, boost::test_tools::tolerance(1e-5));
+}
+
+// p = K ρ² in a cylinder: ρ = ρ_c J0(k r), k² = 2π G/K [J. P. Ostriker, Astrophys. J. 140, 1056 (1964)]. A gas of
+// γ = 2 on its adiabat, as far out as it still has a thousandth of the central density.
+BOOST_AUTO_TEST_CASE(polytrope_in_a_cylinder) {
+  const double R = 6e6, x = 2.40, K = 2.0 * pi * G * R * R / (x * x), rho_c = 2000.0;
+  const double surface = rho_c * std::cyl_bessel_j(0, x), T = K * surface / 1000.0;  // p = ρ c_V T
+  eos::material_options gas;
+  gas.name = "stiffened_gas";
+  gas.gamma = 2.0;
+  gas.p_infinity = 0.0;
+  gas.heat_capacity = 1000.0;
+  const double M = 2.0 * pi * rho_c * R * R * std::cyl_bessel_j(1, x) / x;
+  const profile p = planet::structure_of_mass(
+      {{{"gas", eos::make(gas), 1.0}}, M, K * surface * surface, T, temperature_law::adiabatic, 0.0, {2}});
+  BOOST_TEST(p.radius() == R, boost::test_tools::tolerance(1e-5));
+  BOOST_TEST(p.centre().rho == rho_c, boost::test_tools::tolerance(1e-5));
+  for (const double r : {0.2, 0.5, 0.9})
+    BOOST_TEST(p.at(r * R, 0).rho == rho_c * std::cyl_bessel_j(0, x * r), boost::test_tools::tolerance(1e-4));
+}
+
 // Hydrostatic equilibrium and the mass of shells between levels, to the second order of their distance.
 BOOST_AUTO_TEST_CASE(equilibrium_between_levels) {
   const profile p = planet::structure_of_radius(earth(), 6.371e6);
@@ -177,4 +207,37 @@ BOOST_AUTO_TEST_CASE(particles_on_shells) {
     BOOST_TEST(inertia == expected, boost::test_tools::tolerance(number == 100 ? 0.05 : 0.003));
     for (const double m : moment) BOOST_TEST(std::abs(m) < 0.5 * p.mass() * 6.371e6 / static_cast<double>(number));
   }
+}
+
+// The same on rings: evenly spaced, so that low moments vanish.
+BOOST_AUTO_TEST_CASE(particles_on_rings) {
+  auto in = earth();
+  in.mass = 1e17;
+  in.form = {2};
+  in.layers[0].fraction = 0.3;
+  in.layers[1].fraction = 0.7;
+  const profile p = planet::structure_of_mass(in);
+  const auto all = planet::on_shells(p, {"core", "mantle"}, 2000);
+  double mass = 0.0, core = 0.0, inertia = 0.0, inside = 0.0;
+  std::array<double, 2> moment{};
+  for (const auto& one : all) {
+    mass += one.mass;
+    if (one.layer == 0) core += one.mass;
+    const double r = std::hypot(one.x[0], one.x[1]);
+    BOOST_TEST(one.x[2] == 0.0);
+    inertia += one.mass * r * r;
+    for (std::size_t a = 0; a < 2; ++a) moment[a] += one.mass * one.x[a];
+    inside += one.mass * (r < p.layers()[0].outer().r);
+  }
+  BOOST_TEST(mass == in.mass, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(core == 0.3 * in.mass, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(inside == core, boost::test_tools::tolerance(1e-9));
+  double exact = 0.0;  // ∫ r² dm
+  for (const auto& layer : p.layers())
+    for (std::size_t k = 1; k < layer.levels.size(); ++k) {
+      const auto &a = layer.levels[k - 1], &b = layer.levels[k];
+      exact += 0.5 * (a.r * a.r + b.r * b.r) * (a.m - b.m);
+    }
+  BOOST_TEST(inertia == exact, boost::test_tools::tolerance(3e-3));
+  for (const double one : moment) BOOST_TEST(std::abs(one) < 1e-3 * mass * p.radius());
 }

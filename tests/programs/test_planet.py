@@ -126,6 +126,54 @@ class Planet(Case):
         self.assertLess(m["angular_momentum_drift"], 1e-5)
         self.assertLess(m["momentum_drift"], 1e-6)
 
+    def cylinder(self, name, **of_layers):
+        """planet_layer_2d with a key in each &layer: of the interior, the metal, the mantle."""
+        text = (INPUTS / "planet_layer_2d.nml").read_text()
+        for key, values in of_layers.items():
+            of_each = iter(values)
+            if key == "tillotson":
+                text = re.sub(r"  tillotson = '\w+'", "", text)
+            text = re.sub(r"^&layer\n", lambda _: f"&layer\n  {key} = {next(of_each)}\n", text, flags=re.MULTILINE)
+        return self.written(name, text)
+
+    def growth(self, name, settings):
+        small = {"planet.particles": 1500, "time.t_end": 3600, "output.interval": 0}
+        return self.run_program("planet", name, {**small, **settings}).summary["metrics"]
+
+    def test_growth_in_a_cylinder(self):
+        """Metal over rock in a cylinder beside linear theory, which docs/figures/layered_cylinder.py solves independently."""
+        unlike = self.cylinder("unlike", viscosity=(6e10, 1.5e10, 3e10))
+        for name, degree, allowed in [("planet_layer_2d", 1, 0.03), ("planet_layer_2d", 3, 0.03), (unlike, 2, 0.06)]:
+            with self.subTest(f"{name} {degree}"):
+                m = self.growth(name, {"planet.degree": degree})
+                self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1.0, delta=allowed)
+                self.assertLess(m["growth_rate_uncertainty"], 0.01 * m["growth_rate"])
+                self.assertLess(abs(m["energy_drift"]), 1e-6)
+                self.assertLess(m["momentum_drift"], 1e-7)
+                self.assertLess(m["angular_momentum_drift"], 1e-4)
+                self.assertNotIn("v_rms_over_v_escape", m)  # from a cylinder nothing escapes
+        rates = self.profile("planet_layer_2d")["growth_rates"]
+        self.assertEqual(len(rates), 8)
+        self.assertAlmostEqual(rates[0] / self.growth("planet_layer_2d", {"planet.degree": 1, "time.t_end": 20})["growth_rate_theory"], 1.0, delta=1e-9)
+
+    def test_cylinder_on_ranks(self):
+        small = {"planet.particles": 600, "time.t_end": 60, "output.interval": 0}
+        self.assert_exact("planet", self.cylinder("unlike", viscosity=(6e10, 1.5e10, 3e10)), small, 5, layouts=((2, 1), (3, 2)))
+
+    def test_wrong_cylinder(self):
+        sorted_layers = self.cylinder("sorted", tillotson=("'iron'", "'basalt'", "'basalt'"))
+        for name, settings, *words in [("planet_layer_2d", {"planet.dimension": 3}, "&planet degree", "of a cylinder"),
+                                       ("planet_layer_2d", {"planet.dimension": 4}, "&planet dimension", "[2, 3]"),
+                                       ("planet_layer_2d", {"expert.settle": 2}, "&planet degree", "not to settle"),
+                                       ("planet_layer_2d", {"planet.viscosity": 0}, "&planet degree", "needs a viscosity"),
+                                       ("planet_layer_2d", {"planet.viscosity": 1}, "&planet viscosity", "boundary layers"),
+                                       ("planet_layer_2d", {"planet.amplitude": 1e5}, "&planet amplitude", "linear theory"),
+                                       ("planet_layer_2d", {"planet.degree": 0, "planet.amplitude": 10}, "&planet amplitude", "give its degree"),
+                                       ("planet_layer_2d", {"planet.spin_period": 100}, "&planet spin_period", "leave its surface"),
+                                       (sorted_layers, {}, "&planet degree", "no layer lies over a less dense one")]:
+            with self.subTest(settings):
+                self.assert_says(self.call("planet", *self.arguments(name, settings, self.here / "no")), BAD_INPUT, *words)
+
     def bodies(self):
         """Two settled bodies, small and unlike; the larger turns."""
         snapshots = {}
@@ -183,6 +231,8 @@ class Planet(Case):
                                  ({"impact.target": both["target"]}, "&impact impactor", "there is no file"),
                                  ({**files, "planet.mass": 1e24}, "&planet mass", "follows from the bodies"),
                                  ({**files, "expert.settle": 2}, "&expert settle", "let each settle"),
+                                 ({**files, "planet.dimension": 2}, "&planet dimension", "three dimensions"),
+                                 ({**files, "planet.degree": 2}, "&planet degree", "follows from the bodies"),
                                  ({**files, "layer.fraction": 0.3}, "&layer fraction", "follows from the bodies")]:
             with self.subTest(settings):
                 refused = self.call("planet", *self.arguments("giant_impact", settings, self.here / "no"))

@@ -78,19 +78,6 @@ BOOST_AUTO_TEST_CASE(column_on_adiabats) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(growth_of_an_exponential) {
-  std::vector<double> t, x;
-  for (int k = 0; k <= 100; ++k) {
-    t.push_back(0.1 * k);
-    x.push_back(3.0 * (k < 10 ? 1.0 : std::exp(0.7 * 0.1 * (k - 10))));  // a start that does not grow is left out
-  }
-  const auto fit = fit_growth(t, x, 1.6, 20.0);
-  BOOST_REQUIRE(fit.has_value());
-  BOOST_TEST(fit->rate == 0.7, tt::tolerance(1e-12));
-  BOOST_TEST(fit->uncertainty < 1e-12);
-  BOOST_TEST(!fit_growth({0.0, 1.0, 2.0}, {1.0, 1.1, 1.2}, 1.6, 20.0).has_value());
-}
-
 // The sum's value for a quadratic is exact with the weights of fourth order, and for x⁴ + 2 x²y² + y⁴ = r⁴ it vanishes
 // at 0.
 BOOST_AUTO_TEST_CASE(viscous_weights_by_moments) {

@@ -39,7 +39,8 @@ void run_all(const options& o, const std::string& resolved, const std::vector<co
 std::unique_ptr<run::simulation> make_1d(const options& o, const std::vector<level>& coarser);
 std::unique_ptr<run::simulation> make_2d(const options& o, const std::vector<level>& coarser);
 std::unique_ptr<run::simulation> make_3d(const options& o, const std::vector<level>& coarser);
-// In three dimensions, with a start that is no test of make_setup.
+// With a start that is no test of make_setup.
+std::unique_ptr<run::simulation> make_2d(const options& o, setup start);
 std::unique_ptr<run::simulation> make_3d(const options& o, setup start);
 
 // For summary.json: by level, and the orders. A level without errors, or at another time, is named and left out.

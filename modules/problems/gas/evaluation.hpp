@@ -80,6 +80,8 @@ void sum_transport(world<D>& g, const pairs::row_range& rows) {
         const auto by = [&]<class Term>(const Term& term) {
           return schemes::of_mean_kernel<D, Kernel, Term>{unit, g.fields(), term};
         };
+        if (g.viscosities_differ)
+          return sum(g, rows, by(diffusion::symmetric_viscous_sum<D, const double*>{v, s.eta.data(), dV, force, heat}));
         m.conducts() ? sum(g, rows, by(plain), by(symmetric), by(conduction)) : sum(g, rows, by(plain), by(symmetric));
       },
       g.unit);
@@ -324,6 +326,10 @@ class list_of_passes {
   void find_transport() {
     passes::fields neighbours{found(), s_.v};
     if (g_.molecular.conducts()) neighbours.add({s_.T});
+    if (g_.viscosities_differ) {
+      e.given({s_.eta});
+      neighbours.add({s_.eta});
+    }
     e.sum("friction", {.at_neighbours = neighbours, .writes = {g_.friction, g_.heat}},
           [this](const pairs::row_range& rows) { sum_transport(g_, rows); });
   }

@@ -36,6 +36,9 @@ void refresh_constants(world<D>& g) {
   const bool two = g.any_eos || gas_of(g, 0) != gas_of(g, 1);
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
   walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.m, &g.start_volume, &g.gamma, &g.stiffness, &g.kind}));
+  if (!g.viscosities_differ) return;
+  for (std::size_t i = 0; i < s.fluid; ++i) s.eta[i] = g.viscosity_of(s.material[i]);
+  walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.eta}));
 }
 
 // m, what the lists cover.

@@ -6,6 +6,7 @@
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <eos/eos.hpp>
 #include <gravity/tree.hpp>
@@ -27,6 +28,7 @@ struct side_options {
   std::string tillotson = "";              // of 'tillotson', its material; empty: iron
   std::string table = "";                  // of 'table', its file
   std::optional<double> temperature = {};  // K
+  std::optional<double> viscosity = {};    // Pa s, of this material; none: that of all
   eos::material_options parameters = {};   // of the equation of state, beside its name, material and file
 };
 
@@ -82,6 +84,11 @@ struct options {
   bool terms_fade() const { return shock.support_terms == "fading"; }
   bool evolves_density() const { return shock.scheme == "remix"; }
   bool any_eos() const { return !shock.l.eos.empty() || !materials.empty(); }
+  // Then the bulk viscosity is 5/3 of each (schemes/molecular.hpp).
+  bool viscosities_differ() const {
+    return std::ranges::any_of(
+        materials, [this](const side_options& m) { return m.viscosity && *m.viscosity != shock.molecular.viscosity; });
+  }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
   // Whether the viscosity of each particle has a coefficient of its own.
   bool has_alpha() const { return !godunov() && !evolves_density() && shock.switch_of_alpha; }

@@ -72,6 +72,7 @@ struct world : run::state<D>, schemes::arrays<D> {
   const schemes::transport molecular = o.shock.molecular;
   particles::vector_field<D> friction = this->template derived_vector<D>("Friction", "N", "", molecular.any());
   particles::array& heat = this->derived("HeatOfFriction", "W", "and of conduction", molecular.any());
+  const bool viscosities_differ = o.viscosities_differ();
 
   world(const options& o_, setup test_)
       : schemes::arrays<D>(w.s, {.slopes = o_.godunov() || o_.evolves_density(),
@@ -116,6 +117,9 @@ struct world : run::state<D>, schemes::arrays<D> {
   std::size_t side_of(std::int32_t material) const {
     if (!o.materials.empty()) return static_cast<std::size_t>(material);
     return material == test.material_l ? 0 : 1;
+  }
+  double viscosity_of(std::int32_t material) const {  // Pa s
+    return side(side_of(material)).viscosity.value_or(molecular.viscosity);
   }
   const eos::caloric& caloric_of(std::size_t i) const { return materials[side_of(w.s.material[i])]; }
   // By its equation of state; without tension p is not below 0, and sound, which an expanded solid may lack, not below

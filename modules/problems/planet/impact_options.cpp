@@ -34,7 +34,7 @@ void resolve_impact(const namelist::schema& schema, options& o) {
   for (const auto& [key, path] : {std::pair("target", &i.target), std::pair("impactor", &i.impactor)})
     if (path->empty()) schema.fail("impact", key, "must be given: an impact is of two bodies");
   for (const char* key : {"mass", "radius", "surface_pressure", "surface_temperature", "temperature_law",
-                          "temperature_exponent", "spin_period", "expansion", "particles"})
+                          "temperature_exponent", "spin_period", "expansion", "degree", "amplitude", "particles"})
     if (schema.changed("planet", key)) schema.fail("planet", key, "follows from the bodies of &impact: leave it out");
   for (std::size_t n = 0; n < o.materials.size(); ++n)
     if (element_of(o.layer.fraction, n))

@@ -21,7 +21,7 @@ const char* const group = layer_group;
 namelist::key_info list(namelist::key_info of_one) { return namelist::one_each(std::move(of_one), most_layers); }
 
 std::size_t given(const layer_options& l) {
-  std::size_t most = namelist::longest(l.name, l.eos, l.curve, l.tillotson, l.table, l.fraction);
+  std::size_t most = namelist::longest(l.name, l.eos, l.curve, l.tillotson, l.table, l.fraction, l.viscosity);
   for (const auto& values : l.parameters) most = std::max(most, values.size());
   return most;
 }
@@ -36,6 +36,8 @@ void declare_layers(namelist::schema& schema, layer_options& l) {
   };
   add("name", l.name, {.meaning = "letters, digits and _"});
   add("fraction", l.fraction, namelist::up_to(1.0, "of the planet's mass; where &planet radius is given it follows"));
+  add("viscosity", l.viscosity,
+      {.unit = "Pa s", .minimum = 0.0, .meaning = "of this layer; not given: &planet viscosity"});
   add("eos", l.eos, {.choices = equations, .meaning = "equation of state; its parameters follow"});
   add("curve", l.curve, {.meaning = "of eos = 'liquid_silicate': vinet or birch_murnaghan"});
   add("tillotson", l.tillotson, {.meaning = "of eos = 'tillotson': iron, granite or basalt; not given: iron"});
@@ -66,6 +68,7 @@ void resolve_layers(const namelist::schema& schema, options& o) {
       if (const auto value = element_of(o.layer.parameters[k], n)) m.*eos::parameters[k].member = *value;
     o.names.push_back(name);
     o.materials.push_back(m);
+    o.viscosities.push_back(element_of(o.layer.viscosity, n).value_or(o.viscosity));
   }
 }
 
@@ -81,6 +84,7 @@ void resolve_structure(const namelist::schema& schema, options& o) {
            : o.temperature_law == "adiabatic" ? temperature_law::adiabatic
                                               : temperature_law::isothermal;
   in.exponent = o.temperature_exponent;
+  in.form.dimension = static_cast<int>(o.dimension);
   if (o.temperature_exponent != 0.0 && o.temperature_law != "power")
     schema.fail("planet", "temperature_exponent", "belongs to temperature_law = 'power'");
   const std::size_t number = o.materials.size();
@@ -130,8 +134,8 @@ void fill_engine(options& o) {
   s.scheme = o.scheme;
   s.weight = "volume";
   s.tension = false;
-  s.molecular.viscosity = o.viscosity;
-  s.molecular.bulk_viscosity = 5.0 / 3.0 * o.viscosity;
+  s.molecular.viscosity = *std::ranges::max_element(o.viscosities);
+  s.molecular.bulk_viscosity = 5.0 / 3.0 * s.molecular.viscosity;
   g.materials.resize(o.materials.size());
   for (std::size_t n = 0; n < o.materials.size(); ++n) {
     auto& side = g.materials[static_cast<std::size_t>(o.material_of(n))];
@@ -142,22 +146,27 @@ void fill_engine(options& o) {
     const auto [rho, T] = typical_state(o, n);
     side.rho = rho;
     side.temperature = T;
+    side.viscosity = o.viscosities[n];
   }
   auto& d = g.domain;
+  const shape form = o.structure ? o.structure->form() : shape{};
   double L = 0.0, R3 = 0.0;
   if (o.structure) {
     const double R = o.structure->radius();
-    L = 2.0 * R, R3 = R * R * R;
+    L = 2.0 * R, R3 = form.power(R);
   } else {
     const auto& [target, impactor, start] = *o.impact_of;
     L = 2.0 * (target.radius + impactor.radius + std::hypot(start.place[0], start.place[1]));
     R3 = std::pow(target.radius, 3) + std::pow(impactor.radius, 3);
   }
-  const double dx = std::cbrt(4.0 * pi / 3.0 / static_cast<double>(o.number_of_particles()) * R3);
-  d.dimension = 3;
-  d.open = {true, true, true};
-  d.particles.fill(std::llround(L / dx));
-  d.length.fill(L);
+  const double dx = form.root(form.volume() / static_cast<double>(o.number_of_particles()) * R3);
+  d.dimension = form.dimension;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const bool is_axis = a < static_cast<std::size_t>(d.dimension);
+    d.open[a] = is_axis;
+    d.particles[a] = is_axis ? std::llround(L / dx) : 0;
+    d.length[a] = is_axis ? L : 0.0;
+  }
   gravity::tree_options tree;
   tree.gravitational_constant = G;
   tree.opening = o.opening;
@@ -170,8 +179,10 @@ void fill_engine(options& o) {
 namespace {
 
 void declare_structure(namelist::schema& schema, options& o) {
-  schema.group("planet", "a sphere of layers in hydrostatic equilibrium under its own gravity");
-  schema.add("planet", "mass", o.mass, positive("kg", "of the planet"));
+  schema.group("planet", "a sphere, or a cylinder, of layers in hydrostatic equilibrium under its own gravity");
+  schema.add("planet", "dimension", o.dimension,
+             between(2, 3, "3: a sphere; 2: a cylinder without ends, whose masses are per metre"));
+  schema.add("planet", "mass", o.mass, positive("kg", "of the planet; of a cylinder kg/m"));
   schema.add("planet", "radius", o.radius,
              positive("m", "of the planet: the fractions of two layers follow; not given: it follows from them"));
   schema.add("planet", "surface_pressure", o.surface_pressure, positive("Pa", "at the surface"));
@@ -205,13 +216,50 @@ void declare_particles(namelist::schema& schema, options& o) {
                          .maximum = 0.1,
                          .exclusive_minimum = true,
                          .meaning = "self-gravity: error of multipoles, of a lower bound of the field"}));
-  schema.add(
-      "planet", "viscosity", o.viscosity,
-      {.unit = "Pa s",
-       .minimum = 0.0,
-       .meaning = "mu of all layers, beside the artificial viscosity; the bulk viscosity is 5/3 of it, with which "
-                  "the forces of pairs are central and angular momentum is conserved"});
+  schema.add("planet", "viscosity", o.viscosity,
+             {.unit = "Pa s",
+              .minimum = 0.0,
+              .meaning = "mu of layers without one of their own, beside the artificial viscosity; the bulk viscosity "
+                         "is 5/3 of it, with which "
+                         "the forces of pairs are central and angular momentum is conserved"});
   schema.add("planet", "alpha", o.gas.shock.alpha, between(0.0, 10.0, "of the artificial viscosity"));
+}
+
+// The mode of the start, by linear theory.
+void declare_mode(namelist::schema& schema, options& o) {
+  schema.add("planet", "degree", o.degree,
+             between(0, 32,
+                     "of the growing mode at the start of a cylinder with a dense layer over a lighter one: its "
+                     "displacement and velocity, as cos(degree theta); 0: none"));
+  schema.add(
+      "planet", "amplitude", o.amplitude,
+      positive("m",
+               "of that mode at the contact that is displaced most; not given: 0.01 of its radius over the degree"));
+}
+
+void resolve_mode(const namelist::schema& schema, options& o) {
+  if (o.degree == 0) {
+    if (o.amplitude) schema.fail("planet", "amplitude", "is of a mode: give its degree");
+    return;
+  }
+  const auto fail = [&](const std::string& why) { schema.fail("planet", "degree", why); };
+  if (o.dimension != 2) fail("is of a cylinder: dimension = 2");
+  if (std::ranges::min(o.viscosities) <= 0.0)
+    fail("needs a viscosity of each layer, &planet viscosity or that of &layer");
+  if (o.gas.common.start.is_read()) fail("is that of a planet by its profile: the snapshot has a motion of its own");
+  if (o.gas.common.start.settles()) fail("is that of the start, which is not to settle then: &expert settle = 0");
+  const auto layers = layers_of(*o.structure, o.viscosities);
+  auto mode = schema.placed("planet", "viscosity",
+                            [&] { return theory::growing_mode(layers, static_cast<std::size_t>(o.degree)); });
+  if (mode.growth_rate == 0.0) fail("no layer lies over a less dense one far enough for this degree to grow");
+  const double R = layers.layers[mode.fastest].outer_radius,
+               amplitude = o.amplitude.value_or(0.01 * R / static_cast<double>(o.degree));
+  if (amplitude > 0.1 * R)
+    schema.fail("planet", "amplitude",
+                fmt::format("is {:.6g} m: linear theory holds far below the radius of the contact, expected at most a "
+                            "tenth of {:.6g} m",
+                            amplitude, R));
+  o.mode.emplace(layers, std::move(mode), amplitude);
 }
 
 void check_rotation(const namelist::schema& schema, const options& o) {
@@ -222,7 +270,8 @@ void check_rotation(const namelist::schema& schema, const options& o) {
         schema.fail("planet", key, "is that of a start which settles: the snapshot has a motion of its own");
   if (!o.spin_period) return;
   const double R = o.structure->radius(), M = o.structure->mass();
-  const double shortest = 2.0 * pi * std::sqrt(R * R * R / (G * M));
+  const double shortest = o.structure->form().is_sphere() ? 2.0 * pi * std::sqrt(R * R * R / (G * M))
+                                                          : 2.0 * pi * R / std::sqrt(2.0 * G * M);
   if (*o.spin_period < shortest)
     schema.fail(
         "planet", "spin_period",
@@ -246,6 +295,7 @@ void declare(namelist::schema& schema, options& o) {
   o.tolerance = tree.tolerance;
   declare_structure(schema, o);
   declare_particles(schema, o);
+  declare_mode(schema, o);
   declare_layers(schema, o.layer);
   declare_impact(schema, o.impact);
   schema.group("domain", "who has which particles");
@@ -267,15 +317,22 @@ void resolve(const namelist::schema& schema, options& o) {
   auto& g = o.gas;
   gas::choose_cfl(g.common.time);
   auto& kernel = g.common.kernel;
-  if (!schema.given("kernel", "h_over_dx") && kernel.name != "wendland_c4") kernel.h_over_dx = 0.0;
+  if (!schema.given("kernel", "h_over_dx")) {
+    if (kernel.name != "wendland_c4") kernel.h_over_dx = 0.0;
+    // Of fewer neighbours the rings resist the flow as a lattice does (docs/theory/layered_cylinder.md).
+    else if (o.dimension == 2)
+      kernel.h_over_dx = 2.2;
+  }
   run::resolve(schema, g.common);
   resolve_layers(schema, o);
   if (o.impact.is_asked_for()) {
+    if (o.dimension != 3) schema.fail("planet", "dimension", "two bodies meet in three dimensions");
     resolve_impact(schema, o);
   } else {
     if (!o.mass) schema.fail("planet", "mass", "must be given, or the two bodies of &impact");
     resolve_structure(schema, o);
     check_rotation(schema, o);
+    resolve_mode(schema, o);
   }
   fill_engine(o);
   gas::choose_precision(schema, g);
@@ -302,8 +359,12 @@ std::string summary(const options& o) {
   const auto core = p.layers().size() < 2 ? std::string()
                                           : fmt::format("; {} to {:.6g} m, {:.6g} of the mass", o.names[0],
                                                         p.layers()[0].outer().r, p.layers()[0].outer().m / p.mass());
-  return fmt::format("planet: radius {:.6g} m, in the centre {:.6g} Pa and {:.6g} kg/m3{}\n", p.radius(), p.centre().p,
-                     p.centre().rho, core);
+  const auto mode =
+      o.mode ? fmt::format("mode of degree {}: growth rate {:.6g} 1/s, {:.6g} m at the contact at {:.6g} m\n", o.degree,
+                           o.mode->growth_rate(), o.mode->amplitude(), o.mode->radius())
+             : std::string();
+  return fmt::format("planet: radius {:.6g} m, in the centre {:.6g} Pa and {:.6g} kg/m3{}\n{}", p.radius(),
+                     p.centre().p, p.centre().rho, core, mode);
 }
 
 std::string describe(const options& o) {
@@ -322,6 +383,13 @@ std::string describe(const options& o) {
     j["contact_temperature"] = inside.T;
     j["contact_density_below"] = inside.rho;
     j["contact_density_above"] = outside.rho;
+  }
+  if (!p.form().is_sphere() && std::ranges::min(o.viscosities) > 0.0) {
+    const auto layered = layers_of(p, o.viscosities);
+    std::vector<double> rates;  // of degree 1 to 8
+    for (std::size_t degree = 1; degree <= 8; ++degree)
+      rates.push_back(theory::growing_mode(layered, degree).growth_rate);
+    j["growth_rates"] = rates;
   }
   std::vector<double> r, rho, pressure, T, m;
   std::vector<std::string> layer;

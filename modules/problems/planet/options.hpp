@@ -7,20 +7,21 @@
 
 #include <gas/setups.hpp>
 #include <planet/impact.hpp>
+#include <planet/mode.hpp>
 #include <planet/profile.hpp>
 
 namespace tetsuame::planet {
 
 struct layer_options {  // lists, an element a layer
   std::vector<std::string> name, eos, curve, tillotson, table;
-  std::vector<double> fraction;
+  std::vector<double> fraction, viscosity;
   std::array<std::vector<double>, eos::parameters.size()> parameters;
 };
 
 struct options {
-  std::int64_t particles = 10000;
+  std::int64_t particles = 10000, dimension = 3;
   std::string scheme = "disph";
-  std::optional<double> mass;                                  // kg
+  std::optional<double> mass;                                  // kg, of a cylinder kg/m
   std::optional<double> radius;                                // m
   double surface_pressure = 1e5, surface_temperature = 300.0;  // Pa, K
   std::string temperature_law = "adiabatic";
@@ -28,6 +29,8 @@ struct options {
   std::optional<double> spin_period;      // s
   double expansion = 0.0;                 // 1/s
   double viscosity = 0.0;                 // Pa s
+  std::int64_t degree = 0;                // of the mode at the start; 0: none
+  std::optional<double> amplitude;        // m
   double opening = 0.0, tolerance = 0.0;  // of the tree
   layer_options layer;
   impact_options impact;
@@ -35,6 +38,8 @@ struct options {
   std::vector<std::string> names;  // of the layers, once resolved
   std::vector<eos::material_options> materials;
   std::optional<profile> structure;  // none: an impact
+  std::vector<double> viscosities;   // Pa s, of the layers
+  std::optional<growing_mode> mode;
   struct bodies {
     body target, impactor;
     encounter start;
@@ -61,10 +66,10 @@ void resolve(const namelist::schema& schema, options& o);
 // Particles, their states, and what is measured of them.
 gas::setup start_of(const options& o);
 gas::setup impact_start(const options& o);
-// A line for the log: radius, centre, core.
+// Lines for the log: radius, centre, core; the mode.
 std::string summary(const options& o);
 // Of the profile, for --profile: JSON, SI units, with arrays of r, density, pressure, temperature and mass_inside from
-// the centre to the surface.
+// the centre to the surface; of a cylinder with an inverted contact the growth rates by degree.
 std::string describe(const options& o);
 
 }  // namespace tetsuame::planet

@@ -21,8 +21,9 @@ namespace {
 constexpr int levels_per_layer = 400;        // at least
 constexpr double integration_error = 1e-10;  // of a step, relative
 
-// The state is integrated by s = m^(1/3), since r ∝ s at the centre:
-//   dr/ds = 3 s²/(4 π r² ρ),  dln ρ/ds = -3 G s⁵/(4 π r⁴)/(ρ dp/dρ)
+// The state is integrated by s = m^(1/D), since r ∝ s at the centre; with the area A r^(D - 1) and the field
+// F m/r^(D - 1):
+//   dr/ds = D (s/r)^(D - 1)/(A ρ),  dln ρ/ds = -D F s (s/r)^(2 D - 2)/A/(ρ dp/dρ)
 // with, along the way, ρ dp/dρ = K_T (1 + α n T) and dln T = n dln ρ, n = 0 or a; on an adiabat ρ dp/dρ = ρ c² and
 // du = p/ρ dln ρ. The third unknown is ln T, or u on an adiabat.
 using unknowns = std::array<double, 3>;  // r, ln ρ, and that
@@ -40,21 +41,23 @@ class path {
   void operator()(const unknowns& y, unknowns& by_s, double s) const {
     const double rho = std::exp(y[1]), q = s / y[0];
     const auto [stiffness, n] = along(rho, y[2]);
-    by_s[0] = 3.0 * q * q / (4.0 * pi * rho);
-    by_s[1] = -3.0 * G * s * q * q * q * q / (4.0 * pi * stiffness);
+    by_s[0] = in_.form.dimension, by_s[1] = -in_.form.dimension * in_.form.strength() * s;
+    for (int k = 1; k < in_.form.dimension; ++k) by_s[0] *= q, by_s[1] = by_s[1] * q * q;
+    by_s[0] /= in_.form.area() * rho;
+    by_s[1] /= in_.form.area() * stiffness;
     by_s[2] = n * by_s[1];
   }
-  // What is left about the centre, of one density but for what its own weight adds: p_c = p + (2 π/3) G ρ² r².
+  // What is left about the centre, of one density but for what its own weight adds: p_c = p + ½ F A/D ρ² r².
   unknowns centre(const unknowns& y) const {
     const double rho = std::exp(y[1]);
     const auto [stiffness, n] = along(rho, y[2]);
-    const double gain = 2.0 * pi / 3.0 * G * rho * rho * y[0] * y[0] / stiffness;
+    const double gain = 0.5 * in_.form.volume() * in_.form.strength() * rho * rho * y[0] * y[0] / stiffness;
     return {0.0, y[1] + gain, y[2] + n * gain};
   }
   level at(double s, const unknowns& y) const {
     const double rho = std::exp(y[1]), T = waves_ ? waves_->temperature(rho, y[2]) : std::exp(y[2]);
     const double p = waves_ ? waves_->at(rho, y[2]).p : eos::evaluate(material_, rho, T).p;
-    return {s * s * s, std::max(y[0], 0.0), rho, p, T};
+    return {in_.form.power(s), std::max(y[0], 0.0), rho, p, T};
   }
 
  private:
@@ -88,9 +91,10 @@ struct outcome {
 // Within r = smallest the mass that is left may be far denser than its surroundings: then it has no room either,
 // however much these can be compressed.
 template <class Note>
-double advance(const path& slopes, unknowns& y, double begin, double end, double smallest, const Note& note) {
-  const auto is_point = [](const unknowns& at, double s) {
-    return s * s * s > 100.0 * (4.0 / 3.0) * pi * at[0] * at[0] * at[0] * std::exp(at[1]);
+double advance(const shape& form, const path& slopes, unknowns& y, double begin, double end, double smallest,
+               const Note& note) {
+  const auto is_point = [&form](const unknowns& at, double s) {
+    return form.power(s) > 100.0 * form.volume() * form.power(at[0]) * std::exp(at[1]);
   };
   namespace odeint = boost::numeric::odeint;
   auto stepper = odeint::make_controlled(integration_error, integration_error, odeint::runge_kutta_dopri5<unknowns>());
@@ -124,7 +128,7 @@ outcome integrate(const structure_input& in, const std::vector<path>& paths, dou
   for (std::size_t n = in.layers.size(); n-- > 0;) {
     const layer& now = in.layers[n];
     const double inner = n == 0 ? 0.0 : std::max(m - now.fraction * in.mass, 0.0);
-    const double begin = std::cbrt(m);
+    const double begin = in.form.root(m);
     const path& slopes = paths[n];
     unknowns y;
     try {
@@ -132,25 +136,25 @@ outcome integrate(const structure_input& in, const std::vector<path>& paths, dou
     } catch (const foundation::error&) {
       // At the surface, or at last, a fault; on the way the pressures of too small a planet.
       if (keep || n + 1 == in.layers.size()) throw;
-      all.left_over = -1.0 - std::cbrt(m / in.mass);
+      all.left_over = -1.0 - in.form.root(m / in.mass);
       return all;
     }
     if (keep) all.layers.push_back({{slopes.at(begin, y)}});
     const auto note = [&](double s) {
       if (keep) all.layers.back().levels.push_back(slopes.at(s, y));
     };
-    const double last = n == 0 ? begin / levels_per_layer : std::cbrt(inner);
-    const double reached = advance(slopes, y, begin, last, n == 0 ? 0.1 * radius : 0.0, note);
+    const double last = n == 0 ? begin / levels_per_layer : in.form.root(inner);
+    const double reached = advance(in.form, slopes, y, begin, last, n == 0 ? 0.1 * radius : 0.0, note);
     if (reached != last) {  // no room for the mass that is left
-      all.left_over = -1.0 - reached / std::cbrt(in.mass);
+      all.left_over = -1.0 - reached / in.form.root(in.mass);
       return all;
     }
     if (n == 0) {
-      all.left_over = (y[0] - last * std::cbrt(3.0 / (4.0 * pi * std::exp(y[1])))) / radius;
+      all.left_over = (y[0] - last * in.form.root(in.form.dimension / (in.form.area() * std::exp(y[1])))) / radius;
       if (keep) all.layers.back().levels.push_back(slopes.at(0.0, slopes.centre(y)));
       return all;
     }
-    const level end = slopes.at(std::cbrt(inner), y);
+    const level end = slopes.at(in.form.root(inner), y);
     m = inner, p = end.p, T = end.T, r = y[0];
   }
   return all;
@@ -192,7 +196,7 @@ profile complete(const structure_input& in, const std::vector<path>& paths, doub
                     in_it.name, known.rho, known.p));
   }
   std::reverse(whole.layers.begin(), whole.layers.end());
-  return profile(std::move(whole.layers));
+  return profile(std::move(whole.layers), in.form);
 }
 
 // The end of the bracket on which the centre is reached.
@@ -201,14 +205,16 @@ double end_at_centre(const F& f, const std::array<double, 2>& ends) {
   return f(ends[1]) >= 0.0 ? ends[1] : ends[0];
 }
 
-double radius_of_density(double mass, double rho) { return std::cbrt(3.0 * mass / (4.0 * pi * rho)); }
+double radius_of_density(const structure_input& in, double rho) {
+  return in.form.root(in.form.dimension * in.mass / (in.form.area() * rho));
+}
 
 }  // namespace
 
 profile structure_of_mass(const structure_input& in) {
   const auto paths = paths_of(in);
   const auto left_over = [&](double radius) { return integrate(in, paths, radius, false).left_over; };
-  const double smallest = radius_of_density(in.mass, 1e6), largest = radius_of_density(in.mass, 1.0);
+  const double smallest = radius_of_density(in, 1e6), largest = radius_of_density(in, 1.0);
   // Of two radii the larger one: on the other branch, which an equation of state has that can be compressed at will, a
   // planet that is squeezed collapses.
   double low = largest;
@@ -251,30 +257,29 @@ std::size_t profile::layer_at(double r) const {
 namespace {
 
 // Between two levels, linear in the fraction of what `by` gives.
-level between(const level& a, const level& b, double t) {
+level between(const shape& form, const level& a, const level& b, double t) {
   const auto mix = [t](double x, double y) { return x + t * (y - x); };
-  return {mix(a.m, b.m), std::cbrt(mix(std::pow(a.r, 3), std::pow(b.r, 3))), mix(a.rho, b.rho), mix(a.p, b.p),
-          mix(a.T, b.T)};
+  return {mix(a.m, b.m), form.root(mix(std::pow(a.r, form.dimension), std::pow(b.r, form.dimension))),
+          mix(a.rho, b.rho), mix(a.p, b.p), mix(a.T, b.T)};
 }
 
 template <class By>
-level find(const std::vector<level>& levels, double value, const By& by) {
+level find(const shape& form, const std::vector<level>& levels, double value, const By& by) {
   if (value >= by(levels.front())) return levels.front();
   if (value <= by(levels.back())) return levels.back();
   const auto after = std::ranges::find_if(levels, [&](const level& l) { return by(l) < value; });
   const level &a = *(after - 1), &b = *after;
-  return between(a, b, (value - by(a)) / (by(b) - by(a)));
+  return between(form, a, b, (value - by(a)) / (by(b) - by(a)));
 }
 
 }  // namespace
 
 level profile::at(double r, std::size_t layer) const {
-  level l = find(layers_[layer].levels, r * r * r, [](const level& one) { return one.r * one.r * one.r; });
-  return l;
+  return find(form_, layers_[layer].levels, form_.power(r), [this](const level& one) { return form_.power(one.r); });
 }
 
 level profile::at_mass(double m, std::size_t layer) const {
-  return find(layers_[layer].levels, m, [](const level& one) { return one.m; });
+  return find(form_, layers_[layer].levels, m, [](const level& one) { return one.m; });
 }
 
 }  // namespace tetsuame::planet

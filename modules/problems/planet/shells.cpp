@@ -37,25 +37,35 @@ void add_shell(std::int64_t n, double radius, double mass, std::size_t layer, st
   }
 }
 
-// ∫dr/d from the inside of the layer to each of its levels, d = (mass/ρ)^(1/3): how many shells lie within.
-std::vector<double> shells_within(const std::vector<level>& levels, double mass) {
+// n places of a ring, evenly spaced; the first one anywhere.
+void add_ring(std::int64_t n, double radius, double mass, std::size_t layer, std::mt19937_64& bits,
+              std::vector<particle>& all) {
+  const double first = static_cast<double>(bits() >> 11) * 0x1p-53;
+  for (std::int64_t k = 0; k < n; ++k) {
+    const double angle = 2.0 * pi * (static_cast<double>(k) + first) / static_cast<double>(n);
+    all.push_back({{radius * std::cos(angle), radius * std::sin(angle), 0.0}, mass, layer});
+  }
+}
+
+// ∫dr/d from the inside of the layer to each of its levels, d = (mass/ρ)^(1/D): how many shells lie within.
+std::vector<double> shells_within(const shape& form, const std::vector<level>& levels, double mass) {
   std::vector<double> count(levels.size(), 0.0);
   for (std::size_t k = levels.size() - 1; k-- > 0;) {
     const double rho = 0.5 * (levels[k].rho + levels[k + 1].rho);
-    count[k] = count[k + 1] + (levels[k].r - levels[k + 1].r) * std::cbrt(rho / mass);
+    count[k] = count[k + 1] + (levels[k].r - levels[k + 1].r) * form.root(rho / mass);
   }
   return count;
 }
 
 // The mass inside of the place with so many shells within.
-double mass_at(const std::vector<level>& levels, const std::vector<double>& count, double shells) {
+double mass_at(const shape& form, const std::vector<level>& levels, const std::vector<double>& count, double shells) {
   std::size_t k = levels.size() - 1;
   while (k > 0 && count[k - 1] < shells) --k;
   if (k == 0) return levels.front().m;
   const level &in = levels[k], &out = levels[k - 1];
   const double t = (shells - count[k]) / (count[k - 1] - count[k]);
-  const double r = in.r + t * (out.r - in.r),
-               part = (r * r * r - std::pow(in.r, 3)) / (std::pow(out.r, 3) - std::pow(in.r, 3));
+  const double r = in.r + t * (out.r - in.r), inside = std::pow(in.r, form.dimension),
+               part = (form.power(r) - inside) / (std::pow(out.r, form.dimension) - inside);
   return in.m + part * (out.m - in.m);
 }
 
@@ -64,6 +74,8 @@ double mass_at(const std::vector<level>& levels, const std::vector<double>& coun
 std::vector<particle> on_shells(const profile& planet, const std::vector<std::string>& names, std::int64_t number) {
   std::vector<particle> all;
   std::mt19937_64 bits(1);
+  const shape& form = planet.form();
+  const auto add = form.is_sphere() ? add_shell : add_ring;
   for (std::size_t n = 0; n < planet.layers().size(); ++n) {
     const auto& levels = planet.layers()[n].levels;
     const double low = levels.back().m, all_mass = levels.front().m - low;
@@ -72,17 +84,18 @@ std::vector<particle> on_shells(const profile& planet, const std::vector<std::st
       foundation::fail_input(
           fmt::format("layer '{}' would have {} of {} particles: expected at least 8", names[n], of_layer, number));
     const double mass = all_mass / static_cast<double>(of_layer);
-    const auto count = shells_within(levels, mass);
+    const auto count = shells_within(form, levels, mass);
     const auto shells = std::max<std::int64_t>(1, std::llround(count.front()));
     std::int64_t done = 0;
     for (std::int64_t k = 1; k <= shells; ++k) {
-      const double to = mass_at(levels, count, count.front() * static_cast<double>(k) / static_cast<double>(shells));
+      const double to =
+          mass_at(form, levels, count, count.front() * static_cast<double>(k) / static_cast<double>(shells));
       const std::int64_t until = k == shells ? of_layer : std::llround((to - low) / mass);
       if (until == done) continue;
       const double middle = low + 0.5 * static_cast<double>(done + until) * mass;
       // The innermost shell may be one particle in the centre.
       const double radius = n == 0 && done == 0 && until == 1 ? 0.0 : planet.at_mass(middle, n).r;
-      add_shell(until - done, radius, mass, n, bits, all);
+      add(until - done, radius, mass, n, bits, all);
       done = until;
     }
   }

@@ -1,4 +1,4 @@
-// Particles of equal mass on spherical shells about the centre, by a profile: [J. A. Kegerreis et al., MNRAS 487, 5029
+// Particles of equal mass on shells about the centre, by a profile: [J. A. Kegerreis et al., MNRAS 487, 5029
 // (2019)] for the idea. Each shell is as thick as its particles are apart and holds a whole number of them, spread
 // along a spiral of equal areas (Fibonacci lattice), turned at random from shell to shell.
 #pragma once

@@ -30,7 +30,7 @@ struct errors {
 errors errors_of(const view& w, const profile& planet, double h_over_dx, const point& centre) {
   foundation::exact_sum mass, density, pressure, near_mass, near;
   for (std::size_t i = 0; i < w.n; ++i) {
-    const double r = gas::distance(w.place(i), centre), h = h_over_dx * std::cbrt(w.volume[i]);
+    const double r = gas::distance(w.place(i), centre), h = h_over_dx * planet.form().root(w.volume[i]);
     double apart = std::abs(r - planet.radius());
     for (std::size_t n = 0; n + 1 < planet.layers().size(); ++n)
       apart = std::min(apart, std::abs(r - planet.layers()[n].outer().r));
@@ -57,7 +57,7 @@ errors errors_of(const view& w, const profile& planet, double h_over_dx, const p
 point spread_of(const view& w) {
   const point centre = centre_of(w, all).place;
   point square{};
-  for (std::size_t a = 0; a < 3; ++a)
+  for (std::size_t a = 0; a < 3 && w.x[a] != nullptr; ++a)
     square[a] = mean_by_mass(w, all, [&](std::size_t i) { return (w.x[a][i] - centre[a]) * (w.x[a][i] - centre[a]); });
   return square;
 }
@@ -68,12 +68,38 @@ double mean_radius(const view& w, std::int32_t material) {
   return mean_by_mass(w, of_material(w, material), [&](std::size_t i) { return gas::distance(w.place(i), centre); });
 }
 
+void displace(const growing_mode& mode, const point& centre, gas::placed& p) {
+  const auto by = mode.displacement(p.x[0] - centre[0], p.x[1] - centre[1]);
+  for (std::size_t a = 0; a < 2; ++a) {
+    p.x[a] += by[a];
+    p.now.v[a] += mode.growth_rate() * by[a];
+  }
+}
+
+std::vector<std::size_t> layers_by_material(const options& o) {
+  std::vector<std::size_t> layer_of(o.names.size());
+  for (std::size_t n = 0; n < layer_of.size(); ++n) layer_of[static_cast<std::size_t>(o.material_of(n))] = n;
+  return layer_of;
+}
+
+constexpr const char* mode_trace = "mode_amplitude";
+
+void tell_growth(const growing_mode& mode, const gas::samples& lines, std::size_t column, gas::numbers& told) {
+  std::vector<double> time, amplitude;
+  for (const auto& line : lines) time.push_back(line[0]), amplitude.push_back(line[column]);
+  const auto fit = mode.fit(time, amplitude);
+  told.emplace_back("growth_rate", fit ? std::optional(fit->rate) : std::nullopt);
+  told.emplace_back("growth_rate_uncertainty", fit ? std::optional(fit->uncertainty) : std::nullopt);
+  told.emplace_back("growth_rate_theory", mode.growth_rate());
+}
+
 }  // namespace
 
 gas::setup start_of(const options& o) {
   const auto planet = std::make_shared<const profile>(*o.structure);
   const double R = planet->radius(), M = planet->mass();
-  const point centre{R, R, R};
+  const bool is_sphere = planet->form().is_sphere();
+  const point centre{R, R, is_sphere ? R : 0.0};
   gas::setup t;
   const double spin = o.spin_period ? 2.0 * pi / *o.spin_period : 0.0;
   t.turns = {spin, o.expansion, centre};
@@ -83,10 +109,11 @@ gas::setup start_of(const options& o) {
     gas::state now{here.rho, here.p, {}, o.material_of(p.layer), here.T};
     for (std::size_t a = 0; a < 3 && !o.gas.common.start.settles(); ++a) now.v[a] = t.turns.velocity(a, x);
     t.particles.push_back({x, p.mass, now});
+    if (o.mode) displace(*o.mode, centre, t.particles.back());
   }
   const std::int32_t core = o.material_of(0);
   const bool layered = planet->layers().size() > 1;
-  const double escape = std::sqrt(2.0 * G * M / R);  // m/s
+  const double escape = planet->form().fall(M, R);  // m/s
   t.scales = {M * escape, M * R * escape};
   t.traces = {{"v_rms", "m/s", [](const view& w) { return std::sqrt(mean_square_speed(w)); }},
               {"radius_rms", "m", [](const view& w) {
@@ -97,16 +124,23 @@ gas::setup start_of(const options& o) {
     for (std::size_t n = 0; n < o.names.size(); ++n)
       t.traces.push_back({"radius_" + o.names[n], "m",
                           [material = o.material_of(n)](const view& w) { return mean_radius(w, material); }});
+  if (o.mode)
+    t.traces.push_back({mode_trace, "m", [mode = *o.mode, layer_of = layers_by_material(o)](const view& w) {
+                          return mode.measure(w, centre_of(w, all).place, layer_of);
+                        }});
+  const std::size_t amplitude = t.traces.size();  // its place in a line, after the time
   const double h_over_dx = o.gas.common.kernel.h_over_dx;
   t.known = {{"planet_radius", R}, {"central_pressure", planet->centre().p}, {"central_density", planet->centre().rho}};
-  t.measures = [=](const view& w, const gas::samples&) {
+  t.measures = [=, mode = o.mode](const view& w, const gas::samples& lines) {
     const errors e = errors_of(w, *planet, h_over_dx, centre_of(w, all).place);
-    gas::numbers told{{"profile_density_error", e.density},
-                      {"profile_pressure_error", e.pressure},
-                      {"profile_density_error_at_interfaces", e.density_at_interfaces},
-                      {"v_rms_over_v_escape", std::sqrt(mean_square_speed(w)) / escape}};
+    gas::numbers told{
+        {"profile_density_error", e.density},
+        {"profile_pressure_error", e.pressure},
+        {"profile_density_error_at_interfaces", e.density_at_interfaces},
+        {is_sphere ? "v_rms_over_v_escape" : "v_rms_over_v_fall", std::sqrt(mean_square_speed(w)) / escape}};
     if (layered) told.emplace_back("core_mass", mass_of(w, of_material(w, core)));
-    if (spin != 0.0) {
+    if (mode) tell_growth(*mode, lines, amplitude, told);
+    if (spin != 0.0 && is_sphere) {
       const auto square = spread_of(w);
       told.emplace_back("axis_ratio", std::sqrt(2.0 * square[2] / (square[0] + square[1])));
     }

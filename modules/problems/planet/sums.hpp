@@ -37,7 +37,7 @@ struct centre_of_mass {
 template <class Which>
 centre_of_mass centre_of(const gas::view& w, const Which& which) {
   centre_of_mass c{mass_of(w, which)};
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (std::size_t a = 0; a < 3 && w.x[a] != nullptr; ++a) {
     c.place[a] = sum_by_mass(w, which, [&](std::size_t i) { return w.x[a][i]; }) / c.mass;
     c.velocity[a] = sum_by_mass(w, which, [&](std::size_t i) { return w.v[a][i]; }) / c.mass;
   }

@@ -7,6 +7,7 @@
 #include <output/checkpoint.hpp>
 #include <output/history.hpp>
 #include <run/summary.hpp>
+#include <theory/growth_fit.hpp>
 #include <theory/radial_exchange.hpp>
 #include <two_fluids/measures.hpp>
 
@@ -203,7 +204,8 @@ void tell_growth(json& j, const measures& m, const fluids<D>& f) {
   // Linear: less than 0.03 wavelengths high; the start has gone by a fifth.
   const auto& mode = m.by_time(&measures::mode);
   const double most = p.mode ? 0.03 * 2.0 * std::numbers::pi / p.mode->k / mode.front() : 0.0;
-  const auto fit = p.mode ? fit_growth(m.by_time(&measures::time), mode, 1.2, std::min(20.0, most)) : std::nullopt;
+  const auto fit =
+      p.mode ? theory::fit_growth(m.by_time(&measures::time), mode, 1.2, std::min(20.0, most)) : std::nullopt;
   j["growth_rate"] = fit ? json(fit->rate) : json(nullptr);
   j["growth_rate_uncertainty"] = fit ? json(fit->uncertainty) : json(nullptr);
   j["growth_rate_theory"] = or_null(p.growth);
