@@ -214,6 +214,7 @@ class Planet(Case):
         # The impactor's metal comes as one piece, and breaks where it grazes the target's.
         metal = {name: [float(row[names.index(f"impactor_metal_{name}")]) for row in rows] for name in ("pieces", "largest", "merged", "mixed", "distance")}
         self.assertEqual([metal[name][0] for name in ("pieces", "merged")], [1, 0])
+        self.assertEqual([m[f"impactor_metal_{name}"] for name in metal], [values[-1] for values in metal.values()])
         self.assertAlmostEqual(metal["largest"][0], 1.0, delta=1e-12)
         self.assertAlmostEqual(metal["distance"][0] / np.linalg.norm(apart), 1.0, delta=0.05)
         self.assertGreater(metal["pieces"][-1], 1)

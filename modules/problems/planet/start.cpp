@@ -82,6 +82,17 @@ std::vector<std::size_t> layers_by_material(const options& o) {
   return layer_of;
 }
 
+// Of the history, and of its end in summary.json.
+struct metal_column {
+  const char *name, *unit;
+  double metal_of_impactor::*value;
+};
+constexpr std::array metal_columns{metal_column{"impactor_metal_pieces", "1", &metal_of_impactor::pieces},
+                                   metal_column{"impactor_metal_largest", "1", &metal_of_impactor::largest},
+                                   metal_column{"impactor_metal_merged", "1", &metal_of_impactor::merged},
+                                   metal_column{"impactor_metal_mixed", "1", &metal_of_impactor::mixed},
+                                   metal_column{"impactor_metal_distance", "m", &metal_of_impactor::distance}};
+
 constexpr const char* mode_trace = "mode_amplitude";
 
 void tell_growth(const growing_mode& mode, const gas::samples& lines, std::size_t column, gas::numbers& told) {
@@ -169,15 +180,13 @@ gas::setup impact_start(const options& o) {
                }}};
   const std::int32_t metal = o.material_of(0);
   const auto found = std::make_shared<metal_of_impactor>();  // of a line: its first column has it looked for
-  t.traces.push_back({"impactor_metal_pieces", "1", [=](const view& w) {
-                        *found = find_metal_of_impactor(w, of_target, metal);
-                        return found->pieces;
-                      }});
-  t.traces.push_back({"impactor_metal_largest", "1", [=](const view&) { return found->largest; }});
-  t.traces.push_back({"impactor_metal_merged", "1", [=](const view&) { return found->merged; }});
-  t.traces.push_back({"impactor_metal_mixed", "1", [=](const view&) { return found->mixed; }});
-  t.traces.push_back({"impactor_metal_distance", "m", [=](const view&) { return found->distance; }});
-  t.measures = [bodies, metal](const view& w, const gas::samples&) {
+  for (const metal_column& c : metal_columns)
+    t.traces.push_back({c.name, c.unit, [=](const view& w) {
+                          if (c.value == metal_columns.front().value)
+                            *found = find_metal_of_impactor(w, of_target, metal);
+                          return (*found).*c.value;
+                        }});
+  t.measures = [bodies, metal, of_target](const view& w, const gas::samples&) {
     const remnants left = find_remnants(w, bodies->target, metal);
     gas::numbers told{{"planet_radius", left.planet_radius}};
     const auto add = [&](const std::string& name, const remnants::part& part) {
@@ -189,6 +198,8 @@ gas::setup impact_start(const options& o) {
     add("planet", left.planet);
     add("disk", left.disk);
     add("escaping", left.escaping);
+    const auto pieces = find_metal_of_impactor(w, of_target, metal);
+    for (const metal_column& c : metal_columns) told.emplace_back(c.name, pieces.*c.value);
     return told;
   };
   return t;
