@@ -11,6 +11,7 @@
 #include <optional>
 #include <output/progress.hpp>
 #include <run/amounts.hpp>
+#include <run/plan.hpp>
 #include <run/run_directory.hpp>
 #include <run/simulation.hpp>
 
@@ -482,63 +483,29 @@ struct loop {
       }
       elapsed = ranks.maximum(watch.elapsed());
     }
-    const auto text = plan_text(elapsed, integrator->statistics().evaluations - evaluations, settles);
+    const auto tried = what_was_tried(elapsed, integrator->statistics().evaluations - evaluations, settles);
+    const auto text = text_of(tried, o, line.rehearsed);
     if (ranks.rank == 0) print(fmt::format("{} {}\n{}", line.program, line.input, text));
   }
 
-  // What the whole run will take, by what the timed steps took: s, and evaluations.
-  std::string plan_text(double seconds, long long evaluations, const std::optional<settling>& settles) {
-    const double last_dt = integrator->statistics().last_dt, to_go = t_end() - integrator->time();
-    const auto asked = steps_asked().value_or(0);
-    const double left = last_dt > 0.0 ? std::max(0.0, std::ceil(to_go / last_dt * (1.0 - 1e-9))) : 0.0;
-    const auto& tried = line.rehearsed;
-    const double interval = o.output.interval;
-    const double by_rehearsal = tried.steps(varies_steps() ? std::numeric_limits<double>::infinity() : first_dt,
-                                            o.time.dt && !varies_steps() ? *o.time.dt : 0.0, t_end()) +
-                                (interval > 0.0 ? 0.5 * t_end() / interval : 0.0);
-    const double on_the_way = tried.course.empty() ? static_cast<double>(step) + left : std::ceil(by_rehearsal);
-    const double steps = finished()  ? static_cast<double>(step)
-                         : asked > 0 ? std::min(static_cast<double>(asked), on_the_way)
-                                     : on_the_way;
-    const std::string by =
-        finished() || (asked > 0 && steps == static_cast<double>(asked)) ? "as asked for"
-        : tried.course.empty()
-            ? fmt::format("to t = {:.4g} s with this dt; how dt changes is not known: {}", t_end(), tried.what)
-        : tried.completed ? fmt::format("to t = {:.4g} s, as dt changed with {}", t_end(), tried.what)
-                          : fmt::format("to t = {:.4g} s, as dt changed with {} to {:.3g} s; behind that not known",
-                                        t_end(), tried.what, tried.course.back().t);
-    const auto timed = std::max<std::int64_t>(0, step - 1);
-    const auto a_step = [&](auto of_all) {
-      return timed > 0 ? static_cast<double>(of_all) / static_cast<double>(timed) : 0.0;
-    };
+  plan_of_run what_was_tried(double seconds, long long evaluations, const std::optional<settling>& settles) {
+    plan_of_run plan{.dimension = report.dimension, .particles = report.fluid_particles, .ranks = ranks.size};
+    plan.first_dt = first_dt;
+    plan.last_dt = integrator->statistics().last_dt;
+    plan.limit = o.time.controls_error() ? "by error control" : dt_is;
+    plan.time = integrator->time();
+    plan.end = t_end();
+    plan.step = step;
+    plan.asked = steps_asked().value_or(0);
+    plan.finished = finished();
+    plan.seconds = seconds;
+    plan.evaluations = evaluations;
+    if (settles) plan.settling = {settles->steps, settles->dt};
     const auto shown = p.snapshot();
-    const auto bytes = static_cast<std::int64_t>(output::bytes_of(shown.groups, o.output.form()));
-    const auto snapshot = static_cast<double>(ranks.sum(bytes));
-    const double snapshots = interval > 0.0 && t_end() > 0.0 ? 1.0 + std::ceil(t_end() / interval * (1.0 - 1e-9)) : 2.0;
-    std::string text;
-    const auto add = [&](const char* name, const std::string& value, const std::string& remark) {
-      text += fmt::format("  {:<10} {:<14} {}\n", name, value, remark);
-    };
-    add("particles", std::to_string(report.fluid_particles), fmt::format("in {} dimensions", report.dimension));
-    add("dt", fmt::format("{:.4g} s", last_dt),
-        fmt::format("{}, after {} steps", o.time.controls_error() ? "by error control" : dt_is, step));
-    add("steps", fmt::format("{:.4g}", steps), by);
-    add("a step", fmt::format("{:.3g} s", a_step(seconds)),
-        fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", timed, a_step(evaluations),
-                    ranks.size, omp_get_max_threads()));
-    double run_time = steps * a_step(seconds);
-    if (settles) {
-      constexpr double evaluations_a_step = 2.0;
-      add("settling", fmt::format("{:.0f} steps", settles->steps),
-          fmt::format("of {:.4g} s before the run, with {:.0f} right-hand sides each", settles->dt,
-                      evaluations_a_step));
-      if (evaluations > 0) run_time += settles->steps * evaluations_a_step * seconds / static_cast<double>(evaluations);
-    }
-    add("run time", duration_text(run_time), "without output");
-    add("memory", size_text(resident_bytes(ranks)), "of all ranks together");
-    add("snapshots", fmt::format("{:.4g}", snapshots),
-        fmt::format("of {} each, {} together", size_text(snapshot), size_text(snapshots * snapshot)));
-    return text;
+    plan.snapshot =
+        static_cast<double>(ranks.sum(static_cast<std::int64_t>(output::bytes_of(shown.groups, o.output.form()))));
+    plan.memory = resident_bytes(ranks);
+    return plan;
   }
 
   void carry_out() {
