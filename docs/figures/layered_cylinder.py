@@ -4,7 +4,7 @@
 The equations of docs/theory/layered_cylinder.md are solved for velocities and pressure at the Chebyshev points of each
 layer as one eigenvalue problem, without the solutions by Bessel functions of modules/theory/layered_cylinder.cpp.
 
-    /usr/bin/python3 docs/figures/layered_cylinder.py          # the table of the page
+    /usr/bin/python3 docs/figures/layered_cylinder.py          # the rates of tests/theory/layered_cylinder.cpp
 """
 import numpy as np
 import scipy.linalg

@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(incompressible_cylinder) {
 }
 
 // p = K ρ² in a cylinder: ρ = ρ_c J0(k r), k² = 2π G/K [J. P. Ostriker, Astrophys. J. 140, 1056 (1964)]. A gas of
-// γ = 2 on its adiabat, as far out as it still has a thousandth of the central density.
+// γ = 2 on its adiabat, as far out as it still has a four-hundredth of the central density.
 BOOST_AUTO_TEST_CASE(polytrope_in_a_cylinder) {
   const double R = 6e6, x = 2.40, K = 2.0 * pi * G * R * R / (x * x), rho_c = 2000.0;
   const double surface = rho_c * std::cyl_bessel_j(0, x), T = K * surface / 1000.0;  // p = ρ c_V T

@@ -18,9 +18,9 @@ class Planet(Case):
     def summary(self, settings=None, **how):
         return self.run_program("planet", "planet_earth", {**SMALL, **(settings or {})}, **how).summary
 
-    def profile(self, name="planet_earth"):
+    def profile(self, name="planet_earth", settings=None):
         file = self.here / f"profile_{len(list(self.here.iterdir()))}.json"
-        self.run_program("planet", name, options=["--profile", file])
+        self.run_program("planet", name, settings or {}, options=["--profile", file])
         return json.loads(file.read_text())
 
     def test_profile(self):
@@ -154,6 +154,10 @@ class Planet(Case):
                 self.assertNotIn("v_rms_over_v_escape", m)  # from a cylinder nothing escapes
         rates = self.profile("planet_layer_2d")["growth_rates"]
         self.assertEqual(len(rates), 8)
+        self.assertGreater(min(rates), 0.0)
+        # Without a mode a viscosity too low for the theory is no fault.
+        self.assertEqual(self.profile("planet_layer_2d", {"planet.degree": 0, "planet.viscosity": 1})["growth_rates"], 8 * [None])
+        self.assertNotIn("growth_rates", self.profile("planet_layer_2d", {"planet.degree": 0, "planet.viscosity": 0}))
         self.assertAlmostEqual(rates[0] / self.growth("planet_layer_2d", {"planet.degree": 1, "time.t_end": 20})["growth_rate_theory"], 1.0, delta=1e-9)
 
     def test_cylinder_on_ranks(self):

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <gas/setups.hpp>
+#include <nlohmann/json.hpp>
 #include <planet/impact.hpp>
 #include <planet/mode.hpp>
 #include <planet/profile.hpp>
@@ -60,6 +61,12 @@ inline constexpr const char* layer_group = "layer";
 // impact_options.cpp
 void declare_impact(namelist::schema& schema, impact_options& i);
 void resolve_impact(const namelist::schema& schema, options& o);
+// mode_options.cpp
+void declare_mode(namelist::schema& schema, options& o);
+void resolve_mode(const namelist::schema& schema, options& o);
+// 1/s, of degree 1 to 8 of a cylinder with friction; null where its boundary layers are too thin for the theory. Empty
+// of others.
+nlohmann::ordered_json growth_rates(const options& o);
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);

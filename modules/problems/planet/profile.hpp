@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <eos/eos.hpp>
+#include <gravity/cloud.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -26,7 +27,9 @@ struct shape {
   bool is_sphere() const { return dimension == 3; }
   double area() const { return is_sphere() ? 4.0 * pi : 2.0 * pi; }  // of r = 1
   double volume() const { return area() / dimension; }
-  double strength() const { return is_sphere() ? G : 2.0 * G; }  // the field is this times m/r^(D - 1)
+  double strength() const {
+    return is_sphere() ? gravity::strength<3>(G) : gravity::strength<2>(G);
+  }  // the field is this times m/r^(D - 1)
   double power(double r) const { return is_sphere() ? r * r * r : r * r; }
   double root(double volume) const { return is_sphere() ? std::cbrt(volume) : std::sqrt(volume); }
   // m/s: (2 g R)^½, which is a sphere's escape velocity.

@@ -1,6 +1,7 @@
 // Particles of equal mass on shells about the centre, by a profile: [J. A. Kegerreis et al., MNRAS 487, 5029
 // (2019)] for the idea. Each shell is as thick as its particles are apart and holds a whole number of them, spread
-// along a spiral of equal areas (Fibonacci lattice), turned at random from shell to shell.
+// along a spiral of equal areas (Fibonacci lattice), turned at random from shell to shell. Shells of a cylinder are
+// rings, on which particles are evenly spaced.
 #pragma once
 
 #include <array>
