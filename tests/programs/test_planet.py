@@ -137,7 +137,7 @@ class Planet(Case):
         return self.written(name, text)
 
     def growth(self, name, settings):
-        small = {"planet.particles": 1500, "time.t_end": 3600, "output.interval": 0}
+        small = {"planet.particles": 1500, "time.t_end": 1800, "output.interval": 0}
         return self.run_program("planet", name, {**small, **settings}).summary["metrics"]
 
     def test_growth_in_a_cylinder(self):
