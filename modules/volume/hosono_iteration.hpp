@@ -248,6 +248,11 @@ void fail_unconverged(const pass<D>& one, const std::string& reason, double kapp
                   one.self.how.solver, one.iteration, reason, kappa, worst_particle(one.w)));
 }
 
+template <int D>
+int passes_left(const pass<D>& one) {
+  return static_cast<int>(std::max<std::int64_t>(one.self.how.max_iterations - one.iteration, 1));
+}
+
 // x = ln(Y/Y_0), g(x) = x + ω ln(p^/p). Relative to the start, so that x and its rounding are small: the tolerance is
 // ω times that of the residual, less than the rounding of ln Y itself where K_T/p is large.
 template <int D>
@@ -270,14 +275,14 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   };
   const auto result = integrators::anderson(w.d.ranks.comm, x, g,
                                             {.tolerance = omega * tolerance,
-                                             .max_iterations = static_cast<int>(one.self.how.max_iterations),
+                                             .max_iterations = passes_left(one),
                                              .depth = static_cast<int>(one.self.how.anderson_depth)});
   if (!result.converged) fail_unconverged(one, result.reason, kappa);
 }
 
 // Unknowns ln ρ; equations (p^_i - p_i)/(scale of p_i), the scale being p^ of the first guess.
 template <int D>
-integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
+integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance, double kappa) {
   auto& w = one.w;
   const auto& around = one.around;
   auto& s = w.s;
@@ -287,6 +292,9 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
     scale[i] = s.p_eos[i];
   });
   const auto residual = [&](std::span<const double> at, std::span<double> f) {
+    // Where no state exists, line searches go on and on: ten passes a step. All ranks count alike.
+    if (one.iteration >= one.self.how.max_iterations)
+      fail_unconverged(one, "&expert max_iterations allows no more", kappa);
     foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = std::exp(at[i]); });
     weights_by_density(w, around.V, 0, s.fluid, around.rule);
     w.exchange_fluid({s.Y.data()});
@@ -315,9 +323,8 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
         s.fluid, [&](std::size_t i) { d[i] = (s.K_T[i] - around.V[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i]; });
     return 0;
   };
-  return integrators::newton_krylov(
-      w.d.ranks.comm, x, residual, product, diagonal,
-      {.tolerance = tolerance, .max_iterations = static_cast<int>(one.self.how.max_iterations)});
+  return integrators::newton_krylov(w.d.ranks.comm, x, residual, product, diagonal,
+                                    {.tolerance = tolerance, .max_iterations = passes_left(one)});
 }
 
 // The equations have a second root, p = p^ = 0 everywhere, which a long step from strong disorder can reach; and a
@@ -332,7 +339,8 @@ void newton(pass<D>& one, double omega, double tolerance, double kappa) {
   bool relaxed = false;
   std::string reason;
   for (int round = 0; round < rounds; ++round) {
-    const auto result = newton_from_here(one, 0.9 * tolerance);  // the next round must not find the residual just met
+    const auto result =
+        newton_from_here(one, 0.9 * tolerance, kappa);  // the next round must not find the residual just met
     const double residual = one.residual();
     if (result.converged && residual <= tolerance) return;
     reason = result.converged ? "p is not positive, or far from p^" : result.reason;

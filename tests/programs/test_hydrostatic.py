@@ -90,6 +90,14 @@ class Iteration(Case):
         # Rounding of p is eps K_T, 1e-10 of p.
         self.assertLess(s["errors"]["pressure_mean"], 1e-8)
 
+    def test_passes_are_limited(self):
+        """Newton's line searches count, which took ten times as many as were allowed where no state exists; and passes before Anderson's."""
+        for solver in ["newton", "anderson"]:
+            settings = {"domain.particles_x": 24, "domain.particles_y": 24, "hosono.solver": solver, "expert.max_iterations": 50, "time.steps": 1}
+            result = self.run_program("disph_a", "rti_note_100_100km", settings, expect=CALCULATION_FAILED)
+            self.assertIn("&expert max_iterations" if solver == "newton" else "iteration 50", result.summary["message"])
+            self.assertEqual(max(int(row[2]) for row in result.rows("residuals.csv")[1]), 50)
+
     def test_threshold_of_plain(self):
         """Converges if (K_T/p - 1)(1 - S_min) < 1, in practice p > K_T/2. Two steps: the
         iteration of the first decides, and is hundreds of passes long where |G| is near 1."""
