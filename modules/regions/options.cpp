@@ -53,23 +53,28 @@ std::map<std::string, double> named(const namelist::schema& schema, const consta
 
 void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
   declare(schema, static_cast<constants&>(o));
-  schema.group("region",
-               "what the start is somewhere; may stand several times. Values are numbers, or expressions of x, y, z, "
-               "length_x, length_y, length_z, spacing (m), T (K, before), pi and &constants; a later one overrides");
+  schema.group(
+      "region",
+      fmt::format("what the start is somewhere; may stand several times. Values are numbers, or expressions of "
+                  "x, y, z{}, length_x, length_y, length_z, spacing (m), T (K, before), pi and &constants; a "
+                  "later one overrides",
+                  of_problem.origin));
   std::vector<std::string> shapes{"everywhere"};
   shapes.insert(shapes.end(), solids::shapes.begin(), solids::shapes.end());
   solids::declare_pieces(schema, words, shapes, o.pieces);
   schema.add("region", "condition", o.condition, formula("", "where this is true as well, as 'y > 0.5*length_y'"));
-  if (!of_problem.materials.empty()) {
+  if (of_problem.has_materials()) {
     std::vector<std::string> choices{""};
     choices.insert(choices.end(), of_problem.materials.begin(), of_problem.materials.end());
     schema.add("region", "material", o.material,
                {.choices = of_problem.more_materials ? std::vector<std::string>{} : choices,
                 .maximum_size = solids::most_pieces,
                 .sparse = true,
-                .meaning = (of_problem.more_materials ? fmt::format("'{}' or the name of a &material",
-                                                                    fmt::join(of_problem.materials, "', '"))
-                                                      : "by name") +
+                .meaning = (!of_problem.more_materials ? "by name"
+                            : of_problem.materials.empty()
+                                ? fmt::format("the name of a {}", of_problem.named_by)
+                                : fmt::format("'{}' or the name of a {}", fmt::join(of_problem.materials, "', '"),
+                                              of_problem.named_by)) +
                            "; empty: as it was"});
   }
   const auto add = [&](bool has, const char* key, std::vector<std::string>& to, const char* unit, const char* meaning) {

@@ -19,8 +19,12 @@ namespace tetsuame::regions {
 struct abilities {
   std::vector<std::string> materials = {};  // by name; none: there is but one
   bool more_materials = false;              // the input names further ones, known once it is read
+  std::string named_by = "&material";       // the group that does
+  std::string origin = "";                  // of x, y, z, in words; empty: the box's corner
   bool temperature = false, velocity = false, density = false, pressure = false, energy = false;
   bool above_0 = true;  // temperatures, which count from where they may
+
+  bool has_materials() const { return !materials.empty() || more_materials; }
 };
 
 // Of group &constants: names for numbers in expressions.

@@ -35,7 +35,7 @@ std::string of(const std::vector<std::string>& texts, std::size_t n) {
 // "file:line" of a key that the input gives.
 std::string place_of(const namelist::schema& schema, const abilities& of_problem) {
   std::vector<const char*> keys{"name", "shape", "condition"};
-  if (!of_problem.materials.empty()) keys.push_back("material");
+  if (of_problem.has_materials()) keys.push_back("material");
   if (of_problem.temperature) keys.push_back("temperature");
   if (of_problem.velocity) keys.insert(keys.end(), {"velocity_x", "velocity_y", "velocity_z"});
   if (of_problem.density) keys.push_back("density");
@@ -51,11 +51,10 @@ std::int32_t number_of(const namelist::schema& schema, const abilities& of_probl
   const auto& known = of_problem.materials;
   const auto found = std::ranges::find(known, namelist::lower(name), [](const auto& k) { return namelist::lower(k); });
   if (found == known.end())
-    schema.fail_at(
-        "region", "material", n,
-        fmt::format("there is no material {}; expected one of '{}', or a further &material; the nearest is {}",
-                    namelist::quote(namelist::excerpt(name)), fmt::join(known, "', '"),
-                    namelist::quote(namelist::nearest(name, known))));
+    schema.fail_at("region", "material", n,
+                   fmt::format("there is no material {}; expected one of '{}', or a further {}; the nearest is {}",
+                               namelist::quote(namelist::excerpt(name)), fmt::join(known, "', '"), of_problem.named_by,
+                               namelist::quote(namelist::nearest(name, known))));
   return static_cast<std::int32_t>(found - known.begin());
 }
 

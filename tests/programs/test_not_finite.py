@@ -79,6 +79,7 @@ CASES = {
     "gas": ("shock", "sod", {"domain.particles_x": 48, "shock.scheme": "ssph", "shock.time_dependent_alpha": ".true."}, {**GAS, "Alpha_0": "alpha", "Support_0": "Support"}),
     "gas, Godunov": ("shock", "sod", {"domain.particles_x": 48}, GAS),
     "gas, materials": ("shock", "melts_shock", {"domain.particles_x": 48}, GAS),
+    "planet": ("planet", "planet_metal", {"planet.particles": 200}, {**GAS, "Concentration_0": "c"}),
     "gas, density": ("shock", "sod", {"domain.particles_x": 48, "shock.scheme": "remix"}, {**GAS, "EvolvedDensity_0": "density"}),
 }
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <elements/exchange.hpp>
 #include <gas/world.hpp>
 #include <passes/evaluation.hpp>
 #include <schemes/density_based.hpp>
@@ -87,6 +88,18 @@ void sum_transport(world<D>& g, const pairs::row_range& rows) {
       g.unit);
 }
 
+// What the element gains.
+template <int D>
+void sum_exchange(world<D>& g, const pairs::row_range& rows) {
+  const elements::exchange<D> exchange{g.concentration.data(), g.partition.data(), g.mobility.data(),
+                                       g.metal.data(),         g.w.s.dV.data(),    g.gain.data()};
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::of_mean_kernel<D, Kernel, elements::exchange<D>>{unit, g.fields(), exchange});
+      },
+      g.unit);
+}
+
 // The sum of forces of the scheme that was asked for.
 template <int D>
 std::function<void(const pairs::row_range&)> forces_of(world<D>& g) {
@@ -155,6 +168,8 @@ class list_of_passes {
     u_ = e.integrate(s_.u, {"u", 0.0, speed * speed});
     if (g_.o.has_alpha()) extra_ = e.integrate(g_.alpha, {"alpha", 0.0, 1.0});
     if (g_.evolves_density) extra_ = e.integrate(g_.evolved, {"density", 0.0, g_.density_scale});
+    if (const auto& c = g_.o.element; g_.dissolved)
+      c_ = e.integrate(g_.concentration, {"c", 0.0, std::max(c.concentration_silicate, c.concentration_metal)});
     g_.sources.account(e, speed * speed);
     densities.remembered_motion();
     densities.remembered({s_.u});
@@ -175,6 +190,7 @@ class list_of_passes {
     if constexpr (D > 1)
       if (g_.attraction) g_.attraction->declare_pass(e);
     if (g_.molecular.any()) find_transport();
+    if (g_.dissolved) find_exchange();
     find_rates();
     e.complete(passes::behind_walls::images);
   }
@@ -222,7 +238,18 @@ class list_of_passes {
     passes::access uses{.reads = {g_.y, g_.f, g_.z, g_.number, g_.divergence, g_.curl, g_.S, g_.weight, g_.start_sum,
                                   g_.alpha, g_.evolved, g_.gamma, s_.u, s_.m},
                         .writes = {found(), s_.T, g_.number_volume}};
+    if (g_.melts) uses.writes.add({g_.melt, g_.inertia});
+    if (viscosity_varies_) uses.writes.add({s_.eta});
     e.each("densities", uses, [this](std::size_t i) { find_state(i); });
+    if (g_.melts)
+      e.check(
+          "densities", {g_.melt}, [this](std::size_t i) { return std::isfinite(g_.melt[i]); },
+          [this](std::size_t i) {
+            return fmt::format(
+                "no melt fraction at {:.4g} kg/m^3 and {:.4g} J/kg: the state is beyond the equation of "
+                "state, or the solidus passes the liquidus at its pressure",
+                s_.rho[i], s_.u[i]);
+          });
     if (g_.any_eos)
       e.check(
           "densities", {s_.c}, [this](std::size_t i) { return s_.c[i] > 0.0; },
@@ -248,6 +275,7 @@ class list_of_passes {
                 : by_volume_       ? s_.m[i] * g_.y[i] / (k * g_.weight[i])
                                    : g_.y[i];
     if (g_.any_eos) {
+      if (g_.melts) find_melt(i);
       const eos::caloric_state now = g_.state_of(i);
       s_.p[i] = now.p;
       s_.T[i] = now.T;
@@ -260,6 +288,19 @@ class list_of_passes {
     s_.c[i] = g_.sound_speed(i);
     if (g_.molecular.conducts()) s_.T[i] = (s_.u[i] - g_.stiffness[i] / s_.rho[i]) / *g_.o.shock.heat_capacity;
   }
+  // By ρ and u, which holds the latent heat.
+  void find_melt(std::size_t i) {
+    const auto& law = g_.o.melting;
+    g_.melt[i] =
+        g_.melts_by_law(s_.material[i]) ? melting::melt_fraction(g_.caloric_of(i), law, s_.rho[i], s_.u[i]) : 0.0;
+  }
+  // By temperature and melt fraction.
+  void find_viscosity(std::size_t i) {
+    const bool varies = viscosity_varies_ && g_.melts_by_law(s_.material[i]);
+    const double eta = varies ? melting::viscosity(g_.o.melting, s_.T[i], g_.melt[i]) : g_.viscosity_of(s_.material[i]);
+    if (viscosity_varies_) s_.eta[i] = eta;
+    g_.inertia[i] = g_.o.melting.inertia(eta);
+  }
   // What the pair takes of the viscosity, or of the star pressure.
   double dissipation_of(std::size_t i) const {
     const bool switched = g_.o.shock.balsara || g_.part_of_star || g_.evolves_density;
@@ -270,6 +311,7 @@ class list_of_passes {
   void find_state(std::size_t i) {
     const double k = g_.weighs_volume ? g_.start_sum[i] : 1.0;
     find_pressure(i, k);
+    if (g_.melts) find_viscosity(i);
     g_.number_volume[i] = 1.0 / g_.number[i];
     s_.dV[i] = volumes_by_density_ ? s_.m[i] / s_.rho[i] : g_.number_volume[i];
     g_.per_S[i] = 1.0 / g_.S[i];
@@ -327,11 +369,26 @@ class list_of_passes {
     passes::fields neighbours{found(), s_.v};
     if (g_.molecular.conducts()) neighbours.add({s_.T});
     if (g_.viscosities_differ) {
-      e.given({s_.eta});
+      if (!viscosity_varies_) e.given({s_.eta});
       neighbours.add({s_.eta});
     }
     e.sum("friction", {.at_neighbours = neighbours, .writes = {g_.friction, g_.heat}},
           [this](const pairs::row_range& rows) { sum_transport(g_, rows); });
+  }
+  void find_exchange() {
+    e.each("element", {.reads = {s_.p, s_.T, s_.rho}, .writes = {g_.partition, g_.mobility, g_.metal}},
+           [this](std::size_t i) {
+             const auto& o = g_.o.element;
+             const bool metal = g_.is_metal(s_.material[i]);
+             g_.metal[i] = metal ? 1.0 : 0.0;
+             g_.partition[i] = metal ? elements::partition_coefficient(o, s_.p[i], s_.T[i]) : 1.0;
+             g_.mobility[i] = s_.rho[i] * o.diffusivity(metal);
+           });
+    e.sum("element",
+          {.reads = {g_.S},
+           .at_neighbours = {g_.concentration, g_.partition, g_.mobility, g_.metal, s_.dV, g_.per_S},
+           .writes = {g_.gain}},
+          [this](const pairs::row_range& rows) { sum_exchange(g_, rows); });
   }
   void find_rates() {
     passes::access uses{.reads = {s_.m, s_.v, s_.c, g_.force, g_.power, g_.density_rate, g_.divergence, g_.S, g_.alpha,
@@ -340,6 +397,11 @@ class list_of_passes {
     if (g_.molecular.any()) uses.reads.add({g_.friction, g_.heat});
     if (g_.o.has_alpha()) uses.rates.add({g_.alpha});
     if (g_.evolves_density) uses.rates.add({g_.evolved});
+    if (g_.melts) uses.reads.add({g_.inertia});
+    if (g_.dissolved) {
+      uses.reads.add({g_.gain});
+      uses.rates.add({g_.concentration});
+    }
     e.each("rates", uses, [this](std::size_t i) { combine(i); });
   }
   void combine(std::size_t i) {
@@ -353,6 +415,9 @@ class list_of_passes {
       for (std::size_t a = 0; a < D; ++a) rate(D, a)[i] += g_.friction[a][i] / s_.m[i];
       rate(u_)[i] += g_.heat[i] / s_.m[i];
     }
+    if (g_.melts)
+      for (std::size_t a = 0; a < D; ++a) rate(D, a)[i] /= g_.inertia[i];
+    if (g_.dissolved) rate(c_)[i] = g_.gain[i] / s_.m[i];
     if (g_.w.heating != nullptr) rate(u_)[i] += (*g_.w.heating)[i];
     if (g_.evolves_density) rate(extra_)[i] = g_.density_rate[i];
     if (g_.o.has_alpha())
@@ -368,7 +433,8 @@ class list_of_passes {
   const bool by_volume_ = g_.weighs_volume || g_.weighs_power;  // V = k w/y
   const bool volumes_by_density_ = g_.evolves_density || g_.geometric || g_.integral_gradients;
   const bool has_factor_ = g_.geometric && !g_.integral_gradients;
-  std::size_t u_ = 0, extra_ = 0;  // places of rates
+  const bool viscosity_varies_ = g_.o.melting.viscosity_varies();
+  std::size_t u_ = 0, extra_ = 0, c_ = 0;  // places of rates
 };
 
 }  // namespace tetsuame::gas

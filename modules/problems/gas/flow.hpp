@@ -34,16 +34,17 @@ totals<D> sum_up(const world<D>& g) {
   std::array<foundation::exact_sum, 3> angular;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     double v2 = 0.0;
+    const double m = g.inertia_of(i) * s.m[i];
     for (std::size_t a = 0; a < D; ++a) {
       v2 += s.v[a][i] * s.v[a][i];
-      momentum[a].add(s.m[i] * s.v[a][i]);
+      momentum[a].add(m * s.v[a][i]);
     }
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-      if (b < D && c < D) angular[a].add(s.m[i] * (s.x[b][i] * s.v[c][i] - s.x[c][i] * s.v[b][i]));
+      if (b < D && c < D) angular[a].add(m * (s.x[b][i] * s.v[c][i] - s.x[c][i] * s.v[b][i]));
     }
     mass.add(s.m[i]);
-    kinetic.add(0.5 * s.m[i] * v2);
+    kinetic.add(0.5 * m * v2);
     internal.add(s.m[i] * s.u[i]);
     if constexpr (D > 1)
       potential.add(s.m[i] * (g.attraction ? 0.5 * g.attraction->potential()[i] : g.o.shock.gravity * s.x[1][i]));
@@ -76,11 +77,37 @@ template <int D>
 double shortest_diffusion(const world<D>& g) {  // s, of this rank
   constexpr double any = std::numeric_limits<double>::infinity();
   const auto& m = g.molecular;
-  const double most = std::max(m.largest(D), m.conducts() ? m.heat_conductivity / *g.o.shock.heat_capacity : 0.0);
+  const double all = std::max(m.largest(D), m.conducts() ? m.heat_conductivity / *g.o.shock.heat_capacity : 0.0);
   return foundation::smallest_of(g.w.s.fluid, any, [&](std::size_t i) {
     const double spacing = g.S[i] / g.support_over_dx;
-    return spacing * spacing * g.w.s.rho[i] / most;
+    double most = all;
+    // The harmonic mean of a pair is at most twice the viscosity of either end.
+    if (g.viscosities_differ) most *= std::min(2.0 * g.w.s.eta[i] / m.viscosity, 1.0);
+    return spacing * spacing * g.w.s.rho[i] * g.inertia_of(i) / most;
   });
+}
+
+// Of an element. The mean of a pair is at most twice the diffusivity of either end.
+template <int D>
+double shortest_exchange(const world<D>& g) {  // s, of this rank
+  constexpr double any = std::numeric_limits<double>::infinity();
+  const double most = 2.0 * std::max(g.o.element.diffusivity_silicate, g.o.element.diffusivity_metal);
+  return foundation::smallest_of(g.w.s.fluid, any, [&](std::size_t i) {
+    const double spacing = g.S[i] / g.support_over_dx;
+    return spacing * spacing / most;
+  });
+}
+
+// The kinetic energy of a raised inertia is heat of friction that comes late: what softens gives it off.
+template <int D>
+void take_up_inertia(world<D>& g) {
+  auto& s = g.w.s;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double v2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
+    if (g.earlier_inertia[i] > 0.0) s.u[i] += 0.5 * (g.earlier_inertia[i] - g.inertia[i]) * v2;
+    g.earlier_inertia[i] = g.inertia[i];
+  }
 }
 
 template <int D>
@@ -96,6 +123,8 @@ view particles_seen(const world<D>& g) {
   view seen{
       g.ranks(),         s.fluid,    {}, {}, s.m.data(), g.told_density().data(), s.p.data(), g.number_volume.data(),
       s.material.data(), s.id.data()};
+  if (g.melts) seen.melt = g.melt.data();
+  if (g.dissolved) seen.concentration = g.concentration.data(), seen.partition = g.partition.data();
   for (std::size_t a = 0; a < D; ++a) {
     seen.x[a] = s.x[a].data();
     seen.v[a] = s.v[a].data();
@@ -145,6 +174,9 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
   if constexpr (D > 1)
     if (g.attraction) add("GravitationalPotential", g.attraction->potential().data());
   if (g.o.has_alpha()) add("ArtificialViscosity", g.alpha.data());
+  if (g.dissolved) add("Concentration", g.concentration.data());
+  if (g.melts) add("MeltFraction", g.melt.data());
+  if (g.o.melting.viscosity_varies()) add("Viscosity", s.eta.data());
   if (!g.test.exact) return group;
   std::vector<state> exact;
   for (std::size_t i = 0; i < s.fluid; ++i) exact.push_back(g.test.exact(g.place(i), t));
@@ -194,6 +226,10 @@ class flow : public run::particle_simulation<D> {
       const double friction = *g_.o.common.time.diffusive * ranks.minimum(shortest_diffusion(g_));
       least_of_all = {1.0 / std::hypot(1.0 / sound, 1.0 / friction), sound < friction ? "sound" : "viscosity"};
     }
+    if (g_.dissolved)
+      if (const double exchange = *g_.o.common.time.diffusive * ranks.minimum(shortest_exchange(g_));
+          exchange < least_of_all.dt)
+        least_of_all = {exchange, "diffusion of the element"};
     if (g_.o.common.time.method == "kdk")
       if (const double kick = *g_.o.common.time.cfl * ranks.minimum(shortest_kick()); kick < least_of_all.dt)
         return {kick, "acceleration"};
@@ -217,6 +253,7 @@ class flow : public run::particle_simulation<D> {
   void commit_lagged() override {
     next_supports(g_);
     if (g_.weighs_power) next_weights(g_);
+    if (g_.o.melting.inertia_viscosity > 0.0) take_up_inertia(g_);
   }
   bool set_time(double t) override {
     time_ = t;

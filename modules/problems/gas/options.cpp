@@ -369,7 +369,8 @@ void choose_precision(const namelist::schema& schema, options& o) {
   if (!kernel.single_pairs()) return;
   const bool exact = o.godunov() && o.shock.solver == "exact";
   if (!schema.given("kernel", "precision")) {
-    if (o.evolves_density() || exact || o.shock.test == "square" || !fits_single(o)) kernel.precision = "double";
+    if (o.evolves_density() || exact || o.shock.test == "square" || !fits_single(o) || o.element.any())
+      kernel.precision = "double";
     return;
   }
   if (!fits_single(o))
@@ -377,6 +378,8 @@ void choose_precision(const namelist::schema& schema, options& o) {
                 "expected 'double': 'single' holds densities from 1e-9 to 1e9 kg/m^D with pressures from 1e-12 to 1e15 "
                 "Pa");
   if (o.evolves_density()) schema.fail("kernel", "precision", "the scheme 'remix' computes pairs in double precision");
+  if (o.element.any())
+    schema.fail("kernel", "precision", "expected 'double': with 'single' the element's mass would drift by 1e-11");
   if (exact) schema.fail("kernel", "precision", "solver = 'exact' iterates in double precision: 'single' needs 'hllc'");
 }
 

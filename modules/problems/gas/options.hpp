@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <elements/options.hpp>
 #include <eos/eos.hpp>
 #include <gravity/tree.hpp>
+#include <melting/options.hpp>
 #include <optional>
 #include <regions/region.hpp>
 #include <run/lists.hpp>
@@ -29,6 +31,7 @@ struct side_options {
   std::string table = "";                  // of 'table', its file
   std::optional<double> temperature = {};  // K
   std::optional<double> viscosity = {};    // Pa s, of this material; none: that of all
+  bool metal = false;                      // it does not melt, and takes up an element
   eos::material_options parameters = {};   // of the equation of state, beside its name, material and file
 };
 
@@ -67,8 +70,10 @@ struct options {
   sources::options of_sources;
   sources::all sources;
   std::optional<gravity::tree_options> self_gravity = {};
-  double softening = 1.0;        // of a particle's own field, over its kernel's support at the start
-  double largest_support = 0.0;  // of a kernel, over the largest at the start; 0: any
+  double softening = 1.0;              // of a particle's own field, over its kernel's support at the start
+  double largest_support = 0.0;        // of a kernel, over the largest at the start; 0: any
+  tetsuame::melting::options melting;  // of materials that are not metal
+  elements::options element;
   run::common_options common;
 
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
@@ -86,8 +91,9 @@ struct options {
   bool any_eos() const { return !shock.l.eos.empty() || !materials.empty(); }
   // Then the bulk viscosity is 5/3 of each (schemes/molecular.hpp).
   bool viscosities_differ() const {
-    return std::ranges::any_of(
-        materials, [this](const side_options& m) { return m.viscosity && *m.viscosity != shock.molecular.viscosity; });
+    return melting.viscosity_varies() || std::ranges::any_of(materials, [this](const side_options& m) {
+             return m.viscosity && *m.viscosity != shock.molecular.viscosity;
+           });
   }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
   // Whether the viscosity of each particle has a coefficient of its own.

@@ -16,6 +16,7 @@ struct state {
   std::int32_t material = 0;
   std::optional<double> temperature = {};  // K, with an equation of state; none: that of its side
   std::optional<double> energy = {};       // J/kg, internal; none: by temperature or pressure
+  std::optional<double> dissolved = {};    // of the element, amount per mass; none: that of &element
 };
 
 // An even lattice of n particles along each axis between two corners, cell-centred.
@@ -33,6 +34,8 @@ struct view {
   const double *m, *rho, *p, *volume;
   const std::int32_t* material;
   const std::int64_t* id;
+  const double* melt = nullptr;                                 // melt fraction; none: nothing melts
+  const double *concentration = nullptr, *partition = nullptr;  // of an element, where there is one
 
   point place(std::size_t i) const { return of(x, i); }
   point velocity(std::size_t i) const { return of(v, i); }

@@ -17,9 +17,9 @@ start_state start_of(const world<D>& g, const state& now) {
   if (g.any_eos) {
     const std::size_t k = g.side_of(now.material);
     const eos::caloric& m = g.materials[k];
-    const double u = now.energy
-                         ? *now.energy
-                         : m.internal_energy(now.rho, now.temperature ? *now.temperature : *g.side(k).temperature);
+    const double u = now.energy ? *now.energy
+                                : g.internal_energy(now.material, now.rho,
+                                                    now.temperature ? *now.temperature : *g.side(k).temperature);
     return {u, m.at(now.rho, u).c};
   }
   const auto [gamma, stiffness] = gas_of(g, now.material);
@@ -124,6 +124,7 @@ void place_particles(world<D>& g) {
     s.u[i] = thermal.u;
     sound.push_back(thermal.c);
     s.rho[i] = g.evolved[i] = now.rho;
+    if (g.dissolved) g.concentration[i] = now.dissolved.value_or(g.o.element.start(g.is_metal(now.material)));
     g.start_volume[i] = p.volume;
     g.start_sum[i] = 1.0;
     for (std::size_t a = 0; a < D; ++a) {
@@ -180,6 +181,7 @@ void take_from_file(world<D>& g) {
   if (differ && !file.has("Material")) file.fail(" has no field Material");
   const auto material = file.has("Material") ? file.materials(number) : std::vector<std::int32_t>(rho.size(), 0);
   const auto u = energies_of(g, file, rho, material);
+  const auto dissolved = g.dissolved && file.has("Concentration") ? file.concentrations() : std::vector<double>();
   std::vector<double> volume(rho.size()), reach(rho.size());
   for (std::size_t n = 0; n < rho.size(); ++n) {
     volume[n] = m[n] / rho[n];
@@ -198,6 +200,7 @@ void take_from_file(world<D>& g) {
     s.m[i] = m[n];
     s.u[i] = u[n];
     s.rho[i] = g.evolved[i] = rho[n];
+    if (g.dissolved) g.concentration[i] = dissolved.empty() ? g.o.element.start(g.is_metal(material[n])) : dissolved[n];
     g.start_volume[i] = volume[n];
     g.start_sum[i] = 1.0;
     for (std::size_t a = 0; a < D; ++a) {

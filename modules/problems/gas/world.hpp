@@ -7,6 +7,7 @@
 #include <gas/setups.hpp>
 #include <gravity/self_gravity.hpp>
 #include <limits>
+#include <melting/latent_heat.hpp>
 #include <memory>
 #include <particles/named_fields.hpp>
 #include <run/supports.hpp>
@@ -74,6 +75,21 @@ struct world : run::state<D>, schemes::arrays<D> {
   particles::array& heat = this->derived("HeatOfFriction", "W", "and of conduction", molecular.any());
   const bool viscosities_differ = o.viscosities_differ();
 
+  // Of silicate that melts, and of an element that it exchanges with metal.
+  const bool melts = o.melting.melts(), dissolved = o.element.any();
+  particles::array& melt = this->derived("MeltFraction", "1", "", melts);
+  particles::array& inertia =
+      particles::declare_if(melts, w.s, "Inertia", "1", particles::role::memory, "what the acceleration is divided by");
+  particles::array& earlier_inertia =
+      particles::declare_if(o.melting.inertia_viscosity > 0.0, w.s, "EarlierInertia", "1", particles::role::memory,
+                            "at the end of the step before; 0: there was none");
+  particles::array& concentration = particles::declare_if(dissolved, w.s, "Concentration", "1",
+                                                          particles::role::integrated, "of the element, per mass");
+  particles::array& partition = this->derived("PartitionCoefficient", "1", "1 in silicate", dissolved);
+  particles::array& mobility = this->derived("ElementMobility", "kg/(m s)", "density times diffusivity", dissolved);
+  particles::array& metal = this->derived("Metal", "1", "1 in metal, or 0", dissolved);
+  particles::array& gain = this->derived("ElementGain", "kg/s", "", dissolved);
+
   world(const options& o_, setup test_)
       : schemes::arrays<D>(w.s, {.slopes = o_.godunov() || o_.evolves_density(),
                                  .corrects = o_.evolves_density(),
@@ -122,10 +138,18 @@ struct world : run::state<D>, schemes::arrays<D> {
     return side(side_of(material)).viscosity.value_or(molecular.viscosity);
   }
   const eos::caloric& caloric_of(std::size_t i) const { return materials[side_of(w.s.material[i])]; }
+  bool is_metal(std::int32_t material) const { return side(side_of(material)).metal; }
+  bool melts_by_law(std::int32_t material) const { return melts && !is_metal(material); }
+  double inertia_of(std::size_t i) const { return melts ? inertia[i] : 1.0; }
+  double latent_heat(std::size_t i) const { return melts ? o.melting.latent_heat * melt[i] : 0.0; }  // J/kg
+  double internal_energy(std::int32_t material, double rho, double T) const {                        // J/kg
+    const eos::caloric& m = materials[side_of(material)];
+    return melts_by_law(material) ? melting::internal_energy(m, o.melting, rho, T) : m.internal_energy(rho, T);
+  }
   // By its equation of state; without tension p is not below 0, and sound, which an expanded solid may lack, not below
   // a tenth of that at the start.
   eos::caloric_state state_of(std::size_t i) const {
-    eos::caloric_state now = caloric_of(i).at(w.s.rho[i], w.s.u[i]);
+    eos::caloric_state now = caloric_of(i).at(w.s.rho[i], w.s.u[i] - latent_heat(i));
     if (o.shock.tension || !std::isfinite(now.p)) return now;
     const double slowest = 0.1 * start_sound[side_of(w.s.material[i])];
     now.p = std::max(now.p, 0.0);

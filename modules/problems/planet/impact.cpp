@@ -64,6 +64,7 @@ body read_body(const std::string& path, const std::string& place, std::int32_t m
     file.fail(" is not of this program: its InternalEnergy begins at another zero; let `planet` settle it first");
   const auto x = file.places(), v = file.velocities(), rho = file.densities(), m = file.masses(), u = file.energies();
   const auto material = file.materials(materials);
+  const auto dissolved = file.has("Concentration") ? file.concentrations() : std::vector<double>();
   body b{{}, 0.0, 0.0};
   point centre{}, motion{};
   for (std::size_t n = 0; n < m.size(); ++n) {
@@ -72,6 +73,7 @@ body read_body(const std::string& path, const std::string& place, std::int32_t m
   }
   for (std::size_t n = 0; n < m.size(); ++n) {
     gas::placed p{{}, m[n], {rho[n], 0.0, {}, material[n], {}, u[n]}};
+    if (!dissolved.empty()) p.now.dissolved = dissolved[n];
     for (std::size_t a = 0; a < 3; ++a) {
       p.x[a] = x[3 * n + a] - centre[a] / b.mass;
       p.now.v[a] = v[3 * n + a] - motion[a] / b.mass;

@@ -21,7 +21,7 @@ const char* const group = layer_group;
 namelist::key_info list(namelist::key_info of_one) { return namelist::one_each(std::move(of_one), most_layers); }
 
 std::size_t given(const layer_options& l) {
-  std::size_t most = namelist::longest(l.name, l.eos, l.curve, l.tillotson, l.table, l.fraction, l.viscosity);
+  std::size_t most = namelist::longest(l.name, l.eos, l.curve, l.tillotson, l.table, l.metal, l.fraction, l.viscosity);
   for (const auto& values : l.parameters) most = std::max(most, values.size());
   return most;
 }
@@ -42,6 +42,10 @@ void declare_layers(namelist::schema& schema, layer_options& l) {
   add("curve", l.curve, {.meaning = "of eos = 'liquid_silicate': vinet or birch_murnaghan"});
   add("tillotson", l.tillotson, {.meaning = "of eos = 'tillotson': iron, granite or basalt; not given: iron"});
   add("table", l.table, eos::key_of_table());
+  add("metal", l.metal,
+      {.choices = {"auto", "yes", "no"},
+       .expert = true,
+       .meaning = "does not melt by &melting, and takes up &element; auto: an equation of state of iron"});
   for (std::size_t k = 0; k < eos::parameters.size(); ++k)
     schema.add(group, std::string(eos::parameters[k].key), l.parameters[k], list(eos::key_of(eos::parameters[k])));
 }
@@ -135,6 +139,7 @@ void fill_engine(options& o) {
   s.weight = "volume";
   s.tension = false;
   s.molecular.viscosity = *std::ranges::max_element(o.viscosities);
+  if (g.melting.viscosity_varies()) s.molecular.viscosity = std::max(s.molecular.viscosity, g.melting.viscosity_max);
   s.molecular.bulk_viscosity = 5.0 / 3.0 * s.molecular.viscosity;
   g.materials.resize(o.materials.size());
   for (std::size_t n = 0; n < o.materials.size(); ++n) {
@@ -147,6 +152,7 @@ void fill_engine(options& o) {
     side.rho = rho;
     side.temperature = T;
     side.viscosity = o.viscosities[n];
+    side.metal = o.metals[n];
   }
   auto& d = g.domain;
   const shape form = o.structure ? o.structure->form() : shape{};
@@ -260,6 +266,9 @@ void declare(namelist::schema& schema, options& o) {
   declare_particles(schema, o);
   declare_mode(schema, o);
   declare_layers(schema, o.layer);
+  melting::declare(schema, "of layers that are not metal", o.gas.melting);
+  elements::declare(schema, o.gas.element);
+  declare_regions(schema, o);
   declare_impact(schema, o.impact);
   schema.group("domain", "who has which particles");
   schema.add(
@@ -288,21 +297,27 @@ void resolve(const namelist::schema& schema, options& o) {
   }
   run::resolve(schema, g.common);
   resolve_layers(schema, o);
+  resolve_melting(schema, o);
   if (o.impact.is_asked_for()) {
     if (o.dimension != 3) schema.fail("planet", "dimension", "two bodies meet in three dimensions");
     resolve_impact(schema, o);
   } else {
     if (!o.mass) schema.fail("planet", "mass", "must be given, or the two bodies of &impact");
     resolve_structure(schema, o);
+    expect_melting_range(schema, o);
     check_rotation(schema, o);
     resolve_mode(schema, o);
   }
   fill_engine(o);
+  resolve_regions(schema, o);
   gas::choose_precision(schema, g);
   g.domain.ranks_x.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
   if (!g.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
   std::vector<std::string> fields{"InternalEnergy", "GravitationalPotential"};
   if (g.has_alpha()) fields.emplace_back("ArtificialViscosity");
+  if (g.element.any()) fields.emplace_back("Concentration");
+  if (g.melting.melts()) fields.emplace_back("MeltFraction");
+  if (g.melting.viscosity_varies()) fields.emplace_back("Viscosity");
   run::check_output(schema, g.common, g.domain, fields);
 }
 

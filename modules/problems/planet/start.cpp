@@ -77,9 +77,9 @@ void displace(const growing_mode& mode, const point& centre, gas::placed& p) {
 }
 
 std::vector<std::size_t> layers_by_material(const options& o) {
-  std::vector<std::size_t> layer_of(o.names.size());
-  for (std::size_t n = 0; n < layer_of.size(); ++n) layer_of[static_cast<std::size_t>(o.material_of(n))] = n;
-  return layer_of;
+  std::vector<std::size_t> all;
+  for (std::size_t n = 0; n < o.names.size(); ++n) all.push_back(o.layer_of(static_cast<std::int32_t>(n)));
+  return all;
 }
 
 // Of the history, and of its end in summary.json.
@@ -114,14 +114,17 @@ gas::setup start_of(const options& o) {
   gas::setup t;
   const double spin = o.spin_period ? 2.0 * pi / *o.spin_period : 0.0;
   t.turns = {spin, o.expansion, centre};
+  changed_by_regions regions(o);
   for (const auto& p : on_shells(*planet, o.names, o.particles)) {
     const point x{centre[0] + p.x[0], centre[1] + p.x[1], centre[2] + p.x[2]};
     const level here = planet->at(gas::distance(x, centre), p.layer);
     gas::state now{here.rho, here.p, {}, o.material_of(p.layer), here.T};
     for (std::size_t a = 0; a < 3 && !o.gas.common.start.settles(); ++a) now.v[a] = t.turns.velocity(a, x);
     t.particles.push_back({x, p.mass, now});
+    if (o.regions.any()) regions.apply(p.x, t.particles.back());
     if (o.mode) displace(*o.mode, centre, t.particles.back());
   }
+  if (o.regions.any()) regions.expect_used();
   const std::int32_t core = o.material_of(0);
   const bool layered = planet->layers().size() > 1;
   const double escape = planet->form().fall(M, R);  // m/s
@@ -157,6 +160,7 @@ gas::setup start_of(const options& o) {
     }
     return told;
   };
+  follow_melt_and_element(o, t);
   return t;
 }
 
@@ -202,6 +206,7 @@ gas::setup impact_start(const options& o) {
     for (const metal_column& c : metal_columns) told.emplace_back(c.name, pieces.*c.value);
     return told;
   };
+  follow_melt_and_element(o, t);
   return t;
 }
 

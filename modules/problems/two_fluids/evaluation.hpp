@@ -22,9 +22,8 @@ void find_phase(fluids<D>& f, std::size_t i) {
   const auto here = contents(f, i, s.p_eos[i]).at(f.content[i]);
   s.T[i] = here.temperature;
   f.melt[i] = law.curve == "none" ? 0.0 : here.melt_fraction;
-  f.inertia[i] = 1.0;
-  if (law.viscosity_law != "constant") s.eta[i] = viscosity_by_melt(law, s.T[i], f.melt[i]);
-  if (const double x = law.inertia_viscosity; x > 0.0) f.inertia[i] = std::max(1.0, s.eta[i] / x);
+  if (law.viscosity_varies()) s.eta[i] = melting::viscosity(law, s.T[i], f.melt[i]);
+  f.inertia[i] = law.inertia(s.eta[i]);
 }
 
 // Partition coefficient, ρ times diffusivity, material.
@@ -34,8 +33,8 @@ void find_partition(fluids<D>& f, std::size_t i) {
   const auto& e = f.o.element;
   const bool metal = f.is_metal(i);
   f.metal[i] = metal ? 1.0 : 0.0;
-  f.partition[i] = metal ? partition_coefficient(e, s.p_eos[i], s.T[i]) : 1.0;
-  f.mobility[i] = s.rho[i] * (metal ? e.diffusivity_metal : e.diffusivity_silicate);
+  f.partition[i] = metal ? elements::partition_coefficient(e, s.p_eos[i], s.T[i]) : 1.0;
+  f.mobility[i] = s.rho[i] * e.diffusivity(metal);
 }
 
 // ---- the list ---------------------------------------------------------------------------------
@@ -70,7 +69,7 @@ class list_of_passes {
   passes::evaluation<D> e;
 
  private:
-  bool viscosity_changes() const { return f_.enthalpy && f_.o.melting.viscosity_law != "constant"; }
+  bool viscosity_changes() const { return f_.enthalpy && f_.o.melting.viscosity_varies(); }
   passes::fields material() { return {s_.p_eos, s_.K_T, s_.alpha, s_.c_V, s_.c}; }
   double* rate(std::size_t of, std::size_t a = 0) const { return e.rate(of + a); }
 

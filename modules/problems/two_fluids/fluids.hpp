@@ -36,7 +36,7 @@ class fluids {
   bool weighed = false;                            // Y is
   const bool smoothed = o.scheme.pressure == "smoothed", follows = o.scheme.supports == "volume";
   const bool warms = o.temperature_law == "adiabatic", enthalpy = o.temperature_law == "enthalpy";
-  const bool dissolved = o.element.name != "none", tense = o.surface_tension > 0.0;
+  const bool dissolved = o.element.any(), tense = o.surface_tension > 0.0;
 
   double h = 0.0;                                       // m
   double reference_floor = 0.0, reference_slope = 0.0;  // Pa, Pa/m
@@ -102,7 +102,7 @@ class fluids {
   const domain::communicator& ranks() const { return world.w.d.ranks; }
   std::size_t material_of(std::size_t i) const { return static_cast<std::size_t>(world.w.s.material[i]); }
   bool is_metal(std::size_t i) const { return metals[material_of(i)] != 0; }
-  const melting_options& melting_of(std::size_t i) const { return p.melting[material_of(i)]; }
+  const tetsuame::melting::options& melting_of(std::size_t i) const { return p.melting[material_of(i)]; }
   bool isothermal() const { return !warms && !enthalpy; }
   bool is_drop() const { return kind == problem_kind::drop; }
   bool many() const { return is_drop() && p.places.size() > 1; }
@@ -151,7 +151,7 @@ template <int D>
 melting::heat_content contents(const fluids<D>& f, std::size_t i, double p) {
   const auto& law = f.melting_of(i);
   if (law.curve == "none") return {f.world.w.s.c_V[i], 0.0};
-  const auto [T_s, T_l] = melting_range(law, p);
+  const auto [T_s, T_l] = melting::range(law, p);
   return {f.world.w.s.c_V[i], law.latent_heat, T_s, T_l};
 }
 

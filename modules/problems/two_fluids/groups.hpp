@@ -2,6 +2,7 @@
 // rules in one place. Not for other modules.
 #pragma once
 
+#include <namelist/refuse.hpp>
 #include <two_fluids/options.hpp>
 
 namespace tetsuame::two_fluids {
@@ -12,17 +13,10 @@ inline std::array<const char*, 2> names_of(problem_kind kind) {
   return {"lower", "upper"};
 }
 
-using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
+using namelist::between, namelist::for_expert, namelist::positive, namelist::refuse, namelist::up_to;
 
 inline namelist::key_info not_negative(std::string unit, std::string meaning) {
   return {.unit = std::move(unit), .minimum = 0.0, .meaning = std::move(meaning)};
-}
-
-// Keys that mean nothing here; with their defaults, as a resolved input has them, they may stand.
-inline void refuse(const namelist::schema& schema, const char* group, const std::vector<std::string>& keys,
-                   const std::string& why) {
-  for (const auto& key : keys)
-    if (schema.changed(group, key)) schema.fail(group, key, why);
 }
 
 inline constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
@@ -46,13 +40,10 @@ void find_elasticity(const options& o, parameters& p);
 void declare(namelist::schema& schema, more_materials& m);
 void read_materials(const namelist::schema& schema, problem_kind kind, options& o);
 void make_more_materials(const namelist::schema& schema, const options& o, parameters& p);
-std::vector<melting_options> melting_by_material(const options& o);
+std::vector<melting::options> melting_by_material(const options& o);
 void expect_places(const namelist::schema& schema, const options& o, const parameters& p);
 
-// heat.cpp: heat content, melting, the element
-void declare(namelist::schema& schema, melting_options& o);
-void declare(namelist::schema& schema, element_options& o);
-void check_element(const namelist::schema& schema, const element_options& o);
+// heat.cpp: heat content, melting
 void find_heat(const namelist::schema& schema, problem_kind kind, options& o, parameters& p);
 void find_melt(const options& o, parameters& p);
 

@@ -165,8 +165,8 @@ void make_more_materials(const namelist::schema& schema, const options& o, param
   }
 }
 
-std::vector<melting_options> melting_by_material(const options& o) {
-  std::vector<melting_options> all;
+std::vector<melting::options> melting_by_material(const options& o) {
+  std::vector<melting::options> all;
   for (const auto& m : o.material) {
     auto& own_law = all.emplace_back(o.melting);
     if (!m.melts) own_law = {.curve = "none", .latent_heat = 0.0, .viscosity_law = "constant"};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <elements/equilibration.hpp>
 #include <liquid/sums.hpp>
 #include <optional>
 #include <two_fluids/slowing.hpp>
@@ -332,15 +333,11 @@ void follow_drops(measures& m, const fluids<D>& f) {
 
 // ---- an element, heat -----------------------------------------------------------------------
 
-// Of what the metal would take up, P being what it is, from its start to equilibrium with all silicate: the part
-// taken; 1 where it has nothing to take up.
 template <int D>
 double equilibration(const measures& m, const fluids<D>& f, double c, double P) {
   const auto& all = m.totals_start;
-  const double there = m.element_start / (all.metal_mass + (all.mass - all.metal_mass) / P);
-  const double start = f.o.element.concentration_metal;
-  if (std::abs(there - start) <= 1e-12 * std::max(there, start)) return 1.0;
-  return (c - start) / (there - start);
+  return elements::equilibration({m.element_start, all.metal_mass, all.mass - all.metal_mass},
+                                 f.o.element.concentration_metal, c, P);
 }
 
 template <int D>

@@ -131,8 +131,8 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
     declare(schema, group, o.scheme);
   declare(schema, kind, o.slowing);
   declare(schema, o.more);
-  declare(schema, o.melting);
-  declare(schema, o.element);
+  melting::declare(schema, "of the lower (outer) material, where temperature_law is 'enthalpy'", o.melting);
+  elements::declare(schema, o.element);
   o.walls.slip = "free_slip";
   o.walls.sides[2].slip = o.walls.sides[3].slip = "no_slip";
   walls::abilities behind{.moving = false, .heat = false, .free_surface = true, .bodies = true};
@@ -160,7 +160,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   const char* group = group_of(kind);
   run::resolve(schema, o.common);
   std::vector<std::string> fields{"Volume", "DensityReference"};
-  if (o.element.name != "none") fields.emplace_back("Concentration");
+  if (o.element.any()) fields.emplace_back("Concentration");
   if (o.temperature_law == "enthalpy") fields.insert(fields.end(), {"Viscosity", "MeltFraction"});
   parameters p{};
   const auto& kernel = o.common.kernel;
@@ -175,7 +175,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   p.melting = melting_by_material(o);
   choose_scheme(schema, group, o, p);
   check_slowing(schema, kind, o);
-  check_element(schema, o.element);
+  elements::check(schema, o.element);
   find_elasticity(o, p);
   if (o.conducts() && o.temperature_law == "isothermal") refuse_conduction(schema, kind, o);
   make_materials(schema, kind, o, p);

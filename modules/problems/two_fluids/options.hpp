@@ -12,8 +12,10 @@
 #pragma once
 
 #include <deque>
+#include <elements/options.hpp>
 #include <eos/eos.hpp>
 #include <melting/melting.hpp>
+#include <melting/options.hpp>
 #include <memory>
 #include <regions/region.hpp>
 #include <rigid/box.hpp>
@@ -69,26 +71,6 @@ struct slowing_options {
   double of_sound() const { return zeta * std::max(xi_n(0), xi_n(1)); }  // what it takes longer by
 };
 
-// Of the lower (outer) material, where temperature_law is 'enthalpy'.
-struct melting_options {
-  std::string curve = "none";
-  std::string composition = "peridotitic";
-  double solidus = 1661.2, liquidus = 1982.1;  // K, curve 'constant'
-  double latent_heat = 4e5;                    // J/kg
-  std::string viscosity_law = "blended";
-  double viscosity_min = 1e11, viscosity_max = 1e16;  // Pa s
-  double inertia_viscosity = 0.0;                     // Pa s; 0: inertia as it is
-};
-
-// An element dissolved in both materials.
-struct element_options {
-  std::string name = "none";
-  double partition_coefficient = 10.0;
-  double iron_ratio = 14.0;                                    // X_Fe in the metal over X_FeO in the silicate
-  double diffusivity_silicate = 1e7, diffusivity_metal = 1e7;  // m2/s
-  double concentration_silicate = 1.0, concentration_metal = 0.0;
-};
-
 struct options {
   domain::options domain{.length = {1.5e6, 1.5e6, 1.5e6}, .particles = {48, 48, 48}};
   walls::options walls;
@@ -102,10 +84,10 @@ struct options {
   double p_top = 1e5;           // Pa
   double temperature = 3000.0;  // K, at the top
   std::string temperature_law = "isothermal";
-  double conductivity = 0.0;     // W/(m K), of both
-  double surface_tension = 0.0;  // N/m, between the materials
-  melting_options melting;
-  element_options element;
+  double conductivity = 0.0;           // W/(m K), of both
+  double surface_tension = 0.0;        // N/m, between the materials
+  tetsuame::melting::options melting;  // of the lower (outer) material, where temperature_law is 'enthalpy'
+  elements::options element;           // dissolved in both
   // of rti
   std::optional<double> interface, wavelength;  // m
   double wavelength_z = 0.0;                    // m; 0: no change along z
@@ -145,7 +127,7 @@ struct options {
     return true;
   }
   // From material to material, or by temperature and melt.
-  bool viscosities_differ() const { return melting.viscosity_law != "constant" || !equally_viscous(); }
+  bool viscosities_differ() const { return melting.viscosity_varies() || !equally_viscous(); }
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& m : material) all.push_back(m.name);
@@ -172,7 +154,7 @@ struct parameters {
   std::array<layer_lattice, 2> layers;              // lower, upper; of equal masses each has its own spacing
   std::unique_ptr<column> base;                     // the column at rest
   std::vector<double> temperature;                  // K, at the start, law 'enthalpy', of each material
-  std::vector<melting_options> melting;             // of each material
+  std::vector<tetsuame::melting::options> melting;  // of each material
   double pond_top, cover_temperature;               // m, K; pond_top is the lid where nothing covers the pond
   std::optional<double> melt_conducted;             // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
   double k_x = 0.0, k_z = 0.0;                      // 1/m
@@ -202,11 +184,8 @@ struct parameters {
 };
 
 // Solidus and liquidus, K, at a pressure (Pa) of the input's choice.
-std::array<double, 2> melting_range(const melting_options& o, double p);
 // Metal over silicate, at a pressure and temperature (Pa, K).
-double partition_coefficient(const element_options& o, double p, double T);
 // Pa s, by temperature and melt fraction, within the input's bounds.
-double viscosity_by_melt(const melting_options& o, double T, double melt_fraction);
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 // Linear theory of the layers over each other, at rest as the input has them; nothing slowed.

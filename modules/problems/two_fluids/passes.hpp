@@ -12,7 +12,7 @@
   TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, false>);                                             \
   TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, true>);                                              \
   TETSUAME_TWO_FLUIDS_SUM(where, D, density_rate<D>);                                              \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, element_exchange<D>);                                          \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, elements::exchange<D>);                                        \
   TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction<D>);                                     \
   where template void tetsuame::two_fluids::sum_volumes(fluids<D>&, const pairs::row_range&);      \
   where template void tetsuame::two_fluids::count_neighbours(fluids<D>&, const pairs::row_range&); \

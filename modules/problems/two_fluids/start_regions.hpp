@@ -47,8 +47,7 @@ void take_up_heat(fluids<D>& f, std::size_t i) {
 
 template <int D>
 void start_element(fluids<D>& f, std::size_t i) {
-  const auto& e = f.o.element;
-  f.element[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
+  f.element[i] = f.o.element.start(f.is_metal(i));
 }
 
 // Of one particle: what its density follows from.

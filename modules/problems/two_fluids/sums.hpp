@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <diffusion/conduction.hpp>
+#include <elements/exchange.hpp>
 #include <two_fluids/supports.hpp>
 #include <volume/smoothed.hpp>
 
@@ -19,8 +20,8 @@ void sum_volumes(fluids<D>& f, const pairs::row_range& rows) {
 template <int D>
 void exchange_element(fluids<D>& f, const pairs::row_range& rows) {
   sum(f, rows,
-      element_exchange<D>{f.element.data(), f.partition.data(), f.mobility.data(), f.metal.data(),
-                          f.world.w.s.dV.data(), f.gain.data()});
+      elements::exchange<D>{f.element.data(), f.partition.data(), f.mobility.data(), f.metal.data(),
+                            f.world.w.s.dV.data(), f.gain.data()});
 }
 
 // Pressure and viscosity, of the stress that the run chose.

@@ -14,10 +14,6 @@
 // Mech. Eng. 200, 1526 (2011); across materials, since p is continuous where ρ jumps):
 //   dρ_i/dt = ρ_i Σ_j ΔV_j v_ij·∇_i W_ij
 //             + δ (h/c_i) Σ_j 2 [(p̂_i - p̂_j) + ½ (ρ_i + ρ_j) g (y_i - y_j)] F_ij ΔV_j
-//
-// An element dissolved in both materials, c the amount per mass (docs/theory/partition.md#in-a-run):
-//   m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j),  K_ij = 4 k_i k_j/(k_i + k_j)
-//   within a material u = c and k = ρ D; across the contact u = c/P in the metal, and k = ρ D P
 #pragma once
 
 #include <diffusion/viscosity.hpp>
@@ -28,10 +24,6 @@ namespace tetsuame::two_fluids {
 
 inline constexpr schemes::field<struct stress_tag> of_stress;
 inline constexpr schemes::field<struct density_tag> of_density;
-inline constexpr schemes::field<struct concentration_tag> of_concentration;
-inline constexpr schemes::field<struct partition_tag> of_partition;
-inline constexpr schemes::field<struct element_tag> of_element;
-inline constexpr schemes::field<struct material_tag> of_material;
 
 // Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
 template <class R>
@@ -133,37 +125,6 @@ struct density_rate {
     const double diffusivity = delta_h * i.lengths.to(-1);
     i.set(out, i(rho) * a.divergence + diffusivity / i(sound_speed) * a.diffusion, -1);
   }
-};
-
-template <int D>
-struct element_exchange {
-  const double *c, *P, *k, *metal, *V;  // 1; 1, 1 in silicate; kg/(m s); 1 or 0; m^D
-  double* gain;                         // kg/s
-
-  template <class R>
-  struct me {
-    R sum;
-  };
-  auto reads() const {
-    using namespace pairs;
-    return std::tuple{read(of_concentration, c), read(of_partition, P), read(of_element, k), read(of_material, metal),
-                      read(of_volume, V, D)};
-  }
-  template <class R>
-  me<R> begin(const pairs::cluster<R>&) const {
-    return {R(0.0)};
-  }
-  void add(auto& a, const auto& ij) const {
-    using namespace pairs;
-    const auto same = ij.own(of_material) == ij(of_material);
-    const auto P_i = foundation::select(same, 1.0, ij.own(of_partition));
-    const auto P_j = foundation::select(same, 1.0, ij(of_partition));
-    const auto K =
-        diffusion::harmonic(foundation::rounded(ij.own(of_element) * P_i), foundation::rounded(ij(of_element) * P_j));
-    a.sum += diffusion::of_both_ends(K, ij.own(of_volume), ij(of_volume), ij.F) *
-             (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
-  }
-  void end(const auto& i, const auto& a) const { i.set(gain, a.sum, D - 2); }
 };
 
 }  // namespace tetsuame::two_fluids
