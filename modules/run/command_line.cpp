@@ -321,7 +321,7 @@ int start(int argc, char** argv, const program_input& input,
   if (line.check || line.describe)
     return guarded(first_of_all(), line.program, [&] { read_input(namelist::read_file, first_of_all(), line, input); });
 
-  if (line.plan && first_of_all()) line.rehearsed = rehearse(line, input.rehearsed_with);
+  if (line.plan && first_of_all()) line.rehearsed = rehearse(line, input.rehearsed_with, input.particles_key);
   start_mpi(argc, argv);
   const auto ranks = domain::communicator::world();
   if (const auto crowded = crowded_processors(ranks); ranks.rank == 0 && !crowded.empty())

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -27,6 +28,7 @@ namespace fs = std::filesystem;
 constexpr double patience = 5.0;                                // s
 constexpr std::array<std::int64_t, 4> most{0, 200, 900, 4096};  // particles, by dimension
 constexpr std::int64_t fewest_along = 6, most_tries = 4;
+constexpr double fewest_by_number = 100.0;
 
 struct temporary_folder {
   fs::path path;
@@ -103,6 +105,46 @@ std::vector<std::int64_t> divisors(const std::vector<std::int64_t>& along) {
   return few;
 }
 
+// A run with fewer particles: how many times fewer along an axis, and what says so.
+struct attempt {
+  double finer;
+  std::vector<std::string> settings;
+  std::string what;
+};
+
+std::vector<attempt> on_lattices(const std::string& resolved) {
+  std::vector<attempt> all;
+  const auto along = particles_in(resolved);
+  if (along.empty()) return all;
+  for (const auto divisor : divisors(along)) {
+    std::vector<std::int64_t> left;
+    attempt one{static_cast<double>(divisor), {}, {}};
+    for (std::size_t a = 0; a < along.size(); ++a) {
+      left.push_back(along[a] / divisor);
+      one.settings.push_back(fmt::format("domain.particles_{}={}", "xyz"[a], left.back()));
+    }
+    one.what = fmt::format("{} particles", fmt::join(left, " x "));
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+// Of an input that gives their number as this key.
+std::vector<attempt> by_number(const std::string& resolved, const particles_key& key) {
+  std::vector<attempt> all;
+  const auto given = [&](const char* name) { return number_in(resolved, fmt::format("&{} {}", key.first, name)); };
+  const double number = given(key.second.c_str()), dimension = given("dimension");
+  if (!(number > 0.0 && dimension > 0.0)) return all;
+  for (double divisor = 2.0; all.size() < most_tries; ++divisor) {
+    const double left = std::floor(number / std::pow(divisor, dimension));
+    if (left < fewest_by_number) break;
+    if (left <= static_cast<double>(most[static_cast<std::size_t>(dimension)]))
+      all.push_back(
+          {divisor, {fmt::format("{}.{}={:.0f}", key.first, key.second, left)}, fmt::format("{:.0f} particles", left)});
+  }
+  return all;
+}
+
 // Of history.csv: step, time and dt are its first columns.
 std::vector<rehearsal::interval> course_in(const fs::path& history) {
   std::vector<rehearsal::interval> all;
@@ -136,7 +178,7 @@ double rehearsal::steps(double first_dt, double fixed, double t_end) const {
   return completed ? all : all + std::max(0.0, t_end - course.back().t) / longest(course.back().dt);
 }
 
-rehearsal rehearse(const command_line& line, const std::vector<std::string>& changes) {
+rehearsal rehearse(const command_line& line, const std::vector<std::string>& changes, const particles_key& key) {
   const temporary_folder folder;
   rehearsal r;
   r.what = "the same run with fewer particles could not be tried";
@@ -145,17 +187,12 @@ rehearsal rehearse(const command_line& line, const std::vector<std::string>& cha
   auto checked = words;
   checked.emplace_back("--check");
   if (folder.path.empty() || run_again(checked, folder.path / "resolved") != 0) return r;
-  const auto along = particles_in(text_of(folder.path / "resolved"));
-  if (along.empty()) return r;  // no lattice
-  const auto ways = divisors(along);
+  const auto resolved = text_of(folder.path / "resolved");
+  const auto ways = key.first == "domain" ? on_lattices(resolved) : by_number(resolved, key);
   for (std::size_t n = 0; n < std::min<std::size_t>(most_tries, ways.size()); ++n) {
     auto smaller = words;
-    std::vector<std::int64_t> left;
     const auto set = [&](const std::string& setting) { smaller.insert(smaller.end(), {"--set", setting}); };
-    for (std::size_t a = 0; a < along.size(); ++a) {
-      left.push_back(along[a] / ways[n]);
-      set(fmt::format("domain.particles_{}={}", "xyz"[a], left.back()));
-    }
+    for (const auto& setting : ways[n].settings) set(setting);
     for (const auto& change : changes) set(change);
     set("output.interval=0");
     set("output.history_interval=5");
@@ -166,8 +203,8 @@ rehearsal rehearse(const command_line& line, const std::vector<std::string>& cha
     r.course = course_in(output / "history.csv");
     if (r.course.empty()) continue;
     r.completed = status == 0;
-    r.finer = static_cast<double>(ways[n]);
-    r.what = fmt::format("{} particles", fmt::join(left, " x "));
+    r.finer = ways[n].finer;
+    r.what = ways[n].what;
     break;
   }
   return r;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetsuame::run {
@@ -23,8 +24,11 @@ struct rehearsal {
   double steps(double first_dt, double fixed, double t_end) const;
 };
 
+// The group and the key that say how many particles there are; of &domain, all axes.
+using particles_key = std::pair<std::string, std::string>;
+
 // In a process of its own, before MPI has started, with its results in a temporary folder. changes: settings that go
 // with it, group.key=value.
-rehearsal rehearse(const command_line& line, const std::vector<std::string>& changes);
+rehearsal rehearse(const command_line& line, const std::vector<std::string>& changes, const particles_key& key);
 
 }  // namespace tetsuame::run

@@ -121,8 +121,12 @@ class OfAnInput(Case):
         said = self.figures(self.call("planet", *words, "--plan"))
         run = self.run_program("planet", "planet_earth", settings)
         self.assertIn(f"settled: {said['settling'].split()[0]} steps of", (run.directory / "run.log").read_text())
-        self.assertIn("how dt changes is not known", said["steps"])  # no lattice that could be coarser
+        self.assertIn("how dt changes is not known", said["steps"])  # a planet of an eighth of the particles would be none
         self.assertLess(abs(math.log(float(said["steps"].split()[0]) / run.summary["steps"])), math.log(1.5))
+        more = {"planet.particles": 1000, "expert.settle": 0, "time.t_end": 3000, "output.interval": 0}
+        said = self.figures(self.call("planet", INPUTS / "planet_earth.nml", *(word for key, value in more.items() for word in ("--set", f"{key}={value}")), "--plan"))
+        self.assertIn("as dt changed with 125 particles", said["steps"])
+        self.assertLess(abs(math.log(float(said["steps"].split()[0]) / self.run_program("planet", "planet_earth", more).summary["steps"])), math.log(1.5))
         still = self.figures(self.call("planet", *words, "--set", "expert.settle=0", "--plan"))
         self.assertNotIn("settling", still)
 
