@@ -41,8 +41,9 @@ struct expression::parser {
       std::vector<std::string> known = variables;
       known.emplace_back("pi");
       for (const auto& [name, value] : constants) known.push_back(name);
-      foundation::fail_input(fmt::format("{}: {}; known are {}", namelist::quote(namelist::excerpt(text)), e.GetMsg(),
-                                         fmt::join(known, ", ")));
+      foundation::fail_input(
+          fmt::format("{}: {}; known are {}; operators + - * / ^ (power) < <= > >= == != && (and) || (or)",
+                      namelist::quote(namelist::excerpt(text)), e.GetMsg(), fmt::join(known, ", ")));
     }
     if (of.GetNumResults() != 1)
       foundation::fail_input(

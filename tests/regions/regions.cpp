@@ -134,6 +134,8 @@ BOOST_AUTO_TEST_CASE(what_is_refused) {
   expect_told("&region temperature = '1500 + foo*x' /",
               {"start.nml:1", "&region temperature", "region 1", "foo", "length_x"});
   expect_told("&region temperature = '1500 +' /", {"start.nml:1", "&region temperature"});
+  expect_told("&region temperature = 1 condition = 'x > 1 and y > 2' /", {"&region condition", "&& (and)"});
+  expect_told("&region temperature = '1500 + x**2' /", {"&region temperature", "^ (power)"});
   expect_told("&region temperature = '-1500 + x' /",
               {"start.nml:1", "region 1", "temperature is -1500 K", "(0, 0, 0)"});
   expect_told("&region temperature = '1/x' /", {"its temperature is inf K"});
