@@ -41,7 +41,7 @@ void check(const namelist::schema& schema, options& o) {
     std::vector<std::string> keys{"solidus",       "liquidus",          "viscosity_min",
                                   "viscosity_max", "inertia_viscosity", "composition"};
     if (o.latent_heat != 0.0) keys.emplace_back("latent_heat");
-    if (o.viscosity_varies()) keys.emplace_back("viscosity_law");
+    if (o.viscosity_law != "constant") keys.emplace_back("viscosity_law");
     refuse(schema, "melting", keys, "nothing melts: curve is 'none'");
     o.viscosity_law = "constant";
     o.latent_heat = 0.0;

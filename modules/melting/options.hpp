@@ -17,7 +17,7 @@ struct options {
   double inertia_viscosity = 0.0;                     // Pa s; 0: inertia as it is
 
   bool melts() const { return curve != "none"; }
-  bool viscosity_varies() const { return viscosity_law != "constant"; }
+  bool viscosity_varies() const { return melts() && viscosity_law != "constant"; }
   // What the acceleration is divided by, ξ² (docs/theory/melting.md).
   double inertia(double viscosity) const {
     return inertia_viscosity > 0.0 && viscosity > inertia_viscosity ? viscosity / inertia_viscosity : 1.0;
