@@ -176,6 +176,13 @@ class Melting(Case):
     def test_ranks_and_restart(self):
         self.assert_exact("planet", "planet_metal", {**SMALL, "planet.particles": 300, "time.t_end": 250, "kernel.skin": 0.1}, 7, layouts=((3, 2),))
 
+    def test_settling(self):
+        """A start that settles takes steps that what is stiffest allows, in no more of them than its sound does."""
+        run = self.run_program("planet", "planet_metal", {"planet.particles": 300, "expert.settle": 0.5, "time.t_end": 100, "output.interval": 0})
+        log = (run.directory / "run.log").read_text()
+        self.assertLess(int(log.split("settled: ")[1].split()[0]), 500)
+        self.assertLess(abs(run.summary["metrics"]["energy_drift"]), 1e-4)
+
     def test_a_snapshot_goes_on(self):
         """Its concentrations and its melt, in another run."""
         first = self.run_program("planet", "planet_metal", {**SMALL, "planet.particles": 300, "time.t_end": 200})

@@ -37,7 +37,7 @@ void refresh_constants(world<D>& g) {
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
   walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.m, &g.start_volume, &g.gamma, &g.stiffness, &g.kind}));
   if (!g.viscosities_differ) return;
-  for (std::size_t i = 0; i < s.fluid; ++i) s.eta[i] = g.viscosity_of(s.material[i]);
+  for (std::size_t i = 0; i < s.fluid; ++i) s.eta[i] = g.largest_viscosity_of(s.material[i]);
   walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.eta}));
 }
 

@@ -124,6 +124,7 @@ void place_particles(world<D>& g) {
     s.u[i] = thermal.u;
     sound.push_back(thermal.c);
     s.rho[i] = g.evolved[i] = now.rho;
+    if (g.melts) g.inertia[i] = g.o.melting.inertia(g.largest_viscosity_of(now.material));
     if (g.dissolved) g.concentration[i] = now.dissolved.value_or(g.o.element.start(g.is_metal(now.material)));
     g.start_volume[i] = p.volume;
     g.start_sum[i] = 1.0;
@@ -200,6 +201,7 @@ void take_from_file(world<D>& g) {
     s.m[i] = m[n];
     s.u[i] = u[n];
     s.rho[i] = g.evolved[i] = rho[n];
+    if (g.melts) g.inertia[i] = g.o.melting.inertia(g.largest_viscosity_of(material[n]));
     if (g.dissolved) g.concentration[i] = dissolved.empty() ? g.o.element.start(g.is_metal(material[n])) : dissolved[n];
     g.start_volume[i] = volume[n];
     g.start_sum[i] = 1.0;

@@ -140,6 +140,10 @@ struct world : run::state<D>, schemes::arrays<D> {
   const eos::caloric& caloric_of(std::size_t i) const { return materials[side_of(w.s.material[i])]; }
   bool is_metal(std::int32_t material) const { return side(side_of(material)).metal; }
   bool melts_by_law(std::int32_t material) const { return melts && !is_metal(material); }
+  // Pa s: no state of the material is more viscous. What limits steps before the first evaluation.
+  double largest_viscosity_of(std::int32_t material) const {
+    return o.melting.viscosity_varies() && melts_by_law(material) ? o.melting.viscosity_max : viscosity_of(material);
+  }
   double inertia_of(std::size_t i) const { return melts ? inertia[i] : 1.0; }
   double latent_heat(std::size_t i) const { return melts ? o.melting.latent_heat * melt[i] : 0.0; }  // J/kg
   double internal_energy(std::int32_t material, double rho, double T) const {                        // J/kg
