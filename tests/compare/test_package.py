@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 from pathlib import Path
 
@@ -173,6 +174,26 @@ class Figures(unittest.TestCase):
         self.assertLess(size[0], 0.7 * style.WIDTH)
         box = ax.get_window_extent().transformed(figure.transFigure.inverted())
         self.assertGreater(box.width, 0.6)
+
+    def test_measures_come_before_what_is_conserved(self):
+        class History(dict):
+            units = {f"measure_{k}": "m" for k in range(11)} | {"time": "s", "momentum_x": "kg m/s", "angular_momentum_z": "kg m^2/s"}
+
+        history = History(time=np.arange(3.0), momentum_x=np.arange(3.0), angular_momentum_z=np.arange(3.0), **{f"measure_{k}": np.arange(3.0) for k in range(11)})
+        figure = plots.histories([("", types.SimpleNamespace(history=history, directory=Path(".")))])
+        titles = [ax.get_title(loc="left") for ax in figure.axes]
+        self.assertEqual([title.split()[0] for title in titles if title], ["measure"] * 11 + ["momentum"])
+
+    def test_a_body_in_open_space_is_shown_with_its_surface(self):
+        class Ball(dict):
+            lengths, periodic, dimension = np.array([2.0, 2.0, 2.0]), np.full(3, False), 3
+
+        places = np.array([[0.0, 1.0, 1.0], [2.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 2.0, 1.0]])
+        spacing = np.full(4, 0.1)
+        walled = rendering._Grid(Ball(Coordinates=places), (0, 1), 50, spacing)
+        free = rendering._Grid(Ball(Coordinates=places, GravitationalPotential=np.zeros(4)), (0, 1), 50, spacing)
+        np.testing.assert_allclose((walled.low, walled.high), ([0, 0], [2, 2]))
+        np.testing.assert_allclose((free.low, free.high), ([-0.2, -0.2], [2.2, 2.2]))
 
     def test_isolines_reach_the_edges(self):
         x, y = (np.arange(8) + 0.5) / 8, (np.arange(4) + 0.5) / 4

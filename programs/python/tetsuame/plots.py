@@ -10,6 +10,8 @@ from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
 
+KEPT = ("momentum", "angular_momentum")  # what is conserved, or nearly so
+
 
 def varies(values: np.ndarray) -> bool:
     good = values[np.isfinite(values)]
@@ -25,6 +27,7 @@ def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, 
         columns = []
         for _, run in of:
             columns += [name for name in run.history if name not in OF_THE_RUN | set(columns) and varies(run.history[name])]
+        columns.sort(key=lambda name: name.startswith(KEPT))  # what is measured comes first: there may be no room for all
     columns = columns[:most]
     if not columns:
         return None

@@ -14,6 +14,7 @@ REACH = 2.0  # the kernel's support, in spacings of a particle
 PIXELS_A_SPACING = 2  # more would only cost time
 BEYOND = 0.03  # of a field's range: so far may its values go at a wall, half a spacing from the last particle
 NEAR, ASIDE = 1.5, 1.3  # spacings: where no particle is so near, and the mean of those within reach is so far, nothing is
+MARGIN = 2.0  # spacings, about a body in open space
 
 
 @dataclass
@@ -122,6 +123,8 @@ class _Grid:
         if (high - low > 2.0 * self.lengths).any():
             most = np.quantile(places, (0.01, 0.99), axis=0)
             low, high = np.minimum(0.0, most[0]), np.maximum(self.lengths, most[1])
+        if "GravitationalPotential" in snapshot and len(spacing):  # nothing stands around a body that attracts itself: its surface is seen
+            low, high = low - MARGIN * np.median(spacing), high + MARGIN * np.median(spacing)
         self.low = np.where(self.periodic, 0.0, low)
         self.high = np.where(self.periodic, self.lengths, high)
         size = self.high - self.low
