@@ -40,7 +40,7 @@ void check(const namelist::schema& schema, const options& o) {
 
 double partition_coefficient(const options& o, double p, double T) {
   if (o.name == "constant") return o.partition_coefficient;
-  T = std::max(T, coldest);
+  T = std::max(T, 1000.0);
   return theory::partition_coefficient(o.name == "nickel" ? theory::nickel : theory::cobalt, p, T, o.iron_ratio);
 }
 

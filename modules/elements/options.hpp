@@ -24,7 +24,6 @@ void check(const namelist::schema& schema, const options& o);
 
 // Metal over silicate at equilibrium, at p (Pa) and T (K) of the metal. Below 1000 K, far from the fits' data, it is
 // that of 1000 K.
-inline constexpr double coldest = 1000.0;
 double partition_coefficient(const options& o, double p, double T);
 
 }  // namespace tetsuame::elements

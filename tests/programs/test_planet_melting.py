@@ -8,7 +8,7 @@ import numpy as np
 from running import BAD_INPUT, INPUTS, Case
 
 SMALL = {"planet.particles": 500, "output.interval": 0}
-COLDER = {**SMALL, "planet.surface_temperature": 2250}  # liquid above, mush, solid within
+COLDER = {**SMALL, "planet.surface_temperature": 2250}  # the ocean liquid, the interior solid
 IRON = 1  # of a core and a mantle; of planet_metal: 0 the ocean, 1 the metal, 2 the interior
 
 

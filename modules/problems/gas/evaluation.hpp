@@ -10,8 +10,7 @@
 
 #include <fmt/format.h>
 
-#include <elements/exchange.hpp>
-#include <gas/world.hpp>
+#include <gas/melt_and_element.hpp>
 #include <passes/evaluation.hpp>
 #include <schemes/density_based.hpp>
 #include <schemes/godunov.hpp>
@@ -84,18 +83,6 @@ void sum_transport(world<D>& g, const pairs::row_range& rows) {
         if (g.viscosities_differ)
           return sum(g, rows, by(diffusion::symmetric_viscous_sum<D, const double*>{v, s.eta.data(), dV, force, heat}));
         m.conducts() ? sum(g, rows, by(plain), by(symmetric), by(conduction)) : sum(g, rows, by(plain), by(symmetric));
-      },
-      g.unit);
-}
-
-// What the element gains.
-template <int D>
-void sum_exchange(world<D>& g, const pairs::row_range& rows) {
-  const elements::exchange<D> exchange{g.concentration.data(), g.partition.data(), g.mobility.data(),
-                                       g.metal.data(),         g.w.s.dV.data(),    g.gain.data()};
-  std::visit(
-      [&]<class Kernel>(const Kernel& unit) {
-        sum(g, rows, schemes::of_mean_kernel<D, Kernel, elements::exchange<D>>{unit, g.fields(), exchange});
       },
       g.unit);
 }
@@ -275,7 +262,7 @@ class list_of_passes {
                 : by_volume_       ? s_.m[i] * g_.y[i] / (k * g_.weight[i])
                                    : g_.y[i];
     if (g_.any_eos) {
-      if (g_.melts) find_melt(i);
+      if (g_.melts) find_melt(g_, i);
       const eos::caloric_state now = g_.state_of(i);
       s_.p[i] = now.p;
       s_.T[i] = now.T;
@@ -288,19 +275,6 @@ class list_of_passes {
     s_.c[i] = g_.sound_speed(i);
     if (g_.molecular.conducts()) s_.T[i] = (s_.u[i] - g_.stiffness[i] / s_.rho[i]) / *g_.o.shock.heat_capacity;
   }
-  // By ρ and u, which holds the latent heat.
-  void find_melt(std::size_t i) {
-    const auto& law = g_.o.melting;
-    g_.melt[i] =
-        g_.melts_by_law(s_.material[i]) ? melting::melt_fraction(g_.caloric_of(i), law, s_.rho[i], s_.u[i]) : 0.0;
-  }
-  // By temperature and melt fraction.
-  void find_viscosity(std::size_t i) {
-    const bool varies = viscosity_varies_ && g_.melts_by_law(s_.material[i]);
-    const double eta = varies ? melting::viscosity(g_.o.melting, s_.T[i], g_.melt[i]) : g_.viscosity_of(s_.material[i]);
-    if (viscosity_varies_) s_.eta[i] = eta;
-    g_.inertia[i] = g_.o.melting.inertia(eta);
-  }
   // What the pair takes of the viscosity, or of the star pressure.
   double dissipation_of(std::size_t i) const {
     const bool switched = g_.o.shock.balsara || g_.part_of_star || g_.evolves_density;
@@ -311,7 +285,7 @@ class list_of_passes {
   void find_state(std::size_t i) {
     const double k = g_.weighs_volume ? g_.start_sum[i] : 1.0;
     find_pressure(i, k);
-    if (g_.melts) find_viscosity(i);
+    if (g_.melts) find_viscosity(g_, i);
     g_.number_volume[i] = 1.0 / g_.number[i];
     s_.dV[i] = volumes_by_density_ ? s_.m[i] / s_.rho[i] : g_.number_volume[i];
     g_.per_S[i] = 1.0 / g_.S[i];
@@ -377,13 +351,7 @@ class list_of_passes {
   }
   void find_exchange() {
     e.each("element", {.reads = {s_.p, s_.T, s_.rho}, .writes = {g_.partition, g_.mobility, g_.metal}},
-           [this](std::size_t i) {
-             const auto& o = g_.o.element;
-             const bool metal = g_.is_metal(s_.material[i]);
-             g_.metal[i] = metal ? 1.0 : 0.0;
-             g_.partition[i] = metal ? elements::partition_coefficient(o, s_.p[i], s_.T[i]) : 1.0;
-             g_.mobility[i] = s_.rho[i] * o.diffusivity(metal);
-           });
+           [this](std::size_t i) { find_partition(g_, i); });
     e.sum("element",
           {.reads = {g_.S},
            .at_neighbours = {g_.concentration, g_.partition, g_.mobility, g_.metal, s_.dV, g_.per_S},

@@ -87,29 +87,6 @@ double shortest_diffusion(const world<D>& g) {  // s, of this rank
   });
 }
 
-// Of an element. The mean of a pair is at most twice the diffusivity of either end.
-template <int D>
-double shortest_exchange(const world<D>& g) {  // s, of this rank
-  constexpr double any = std::numeric_limits<double>::infinity();
-  const double most = 2.0 * std::max(g.o.element.diffusivity_silicate, g.o.element.diffusivity_metal);
-  return foundation::smallest_of(g.w.s.fluid, any, [&](std::size_t i) {
-    const double spacing = g.S[i] / g.support_over_dx;
-    return spacing * spacing / most;
-  });
-}
-
-// The kinetic energy of a raised inertia is heat of friction that comes late: what softens gives it off.
-template <int D>
-void take_up_inertia(world<D>& g) {
-  auto& s = g.w.s;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double v2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
-    if (g.earlier_inertia[i] > 0.0) s.u[i] += 0.5 * (g.earlier_inertia[i] - g.inertia[i]) * v2;
-    g.earlier_inertia[i] = g.inertia[i];
-  }
-}
-
 template <int D>
 double largest_density(const world<D>& g) {
   double densest = 0.0;

@@ -379,7 +379,7 @@ void choose_precision(const namelist::schema& schema, options& o) {
                 "Pa");
   if (o.evolves_density()) schema.fail("kernel", "precision", "the scheme 'remix' computes pairs in double precision");
   if (o.element.any())
-    schema.fail("kernel", "precision", "expected 'double': with 'single' the element's mass would drift by 1e-11");
+    schema.fail("kernel", "precision", "expected 'double': the exchange of an element is summed in it, so that none is lost");
   if (exact) schema.fail("kernel", "precision", "solver = 'exact' iterates in double precision: 'single' needs 'hllc'");
 }
 

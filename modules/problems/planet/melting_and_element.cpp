@@ -69,9 +69,7 @@ numbers tell_element(const parts& of, const columns& at, const view& w, const sa
   return told;
 }
 
-}  // namespace
-
-static void resolve_metals(const namelist::schema& schema, options& o) {
+void resolve_metals(const namelist::schema& schema, options& o) {
   for (std::size_t n = 0; n < o.materials.size(); ++n) {
     const auto given = namelist::element_of(o.layer.metal, n);
     o.metals.push_back(given == "yes" || (given != "no" && is_iron(o.materials[n])));
@@ -84,6 +82,8 @@ static void resolve_metals(const namelist::schema& schema, options& o) {
                             any ? "all layers are metal" : "no layer is metal"));
   if (o.gas.melting.melts() && all) schema.fail("melting", "curve", "melts silicate, and all layers are metal");
 }
+
+}  // namespace
 
 void resolve_melting(const namelist::schema& schema, options& o) {
   auto& m = o.gas.melting;

@@ -114,17 +114,18 @@ gas::setup start_of(const options& o) {
   gas::setup t;
   const double spin = o.spin_period ? 2.0 * pi / *o.spin_period : 0.0;
   t.turns = {spin, o.expansion, centre};
-  changed_by_regions regions(o);
+  std::optional<changed_by_regions> regions;
+  if (o.regions.any()) regions.emplace(o);
   for (const auto& p : on_shells(*planet, o.names, o.particles)) {
     const point x{centre[0] + p.x[0], centre[1] + p.x[1], centre[2] + p.x[2]};
     const level here = planet->at(gas::distance(x, centre), p.layer);
     gas::state now{here.rho, here.p, {}, o.material_of(p.layer), here.T};
     for (std::size_t a = 0; a < 3 && !o.gas.common.start.settles(); ++a) now.v[a] = t.turns.velocity(a, x);
     t.particles.push_back({x, p.mass, now});
-    if (o.regions.any()) regions.apply(p.x, t.particles.back());
+    if (regions) regions->apply(p.x, t.particles.back());
     if (o.mode) displace(*o.mode, centre, t.particles.back());
   }
-  if (o.regions.any()) regions.expect_used();
+  if (regions) regions->expect_used();
   const std::int32_t core = o.material_of(0);
   const bool layered = planet->layers().size() > 1;
   const double escape = planet->form().fall(M, R);  // m/s

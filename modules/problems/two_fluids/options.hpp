@@ -183,10 +183,6 @@ struct parameters {
   }
 };
 
-// Solidus and liquidus, K, at a pressure (Pa) of the input's choice.
-// Metal over silicate, at a pressure and temperature (Pa, K).
-// Pa s, by temperature and melt fraction, within the input's bounds.
-
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 // Linear theory of the layers over each other, at rest as the input has them; nothing slowed.
 theory::two_layers layers(const options& o, const parameters& p, bool compressible);
