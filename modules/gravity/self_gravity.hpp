@@ -7,6 +7,7 @@
 #include <gravity/direct.hpp>
 #include <gravity/tree.hpp>
 #include <numeric>
+#include <optional>
 #include <passes/evaluation.hpp>
 #include <vector>
 
@@ -19,14 +20,17 @@ class self {
   self(const self&) = delete;  // the pass refers to it
   self& operator=(const self&) = delete;
 
-  // Declares the fields, once a run. support: m, of each particle, from where its field is Newton's.
-  void declare(run::state<D>& box, particles::array& support) {
+  // Declares the fields, once a run. support: m, of each particle, from where its field is Newton's. keeps: the
+  // acceleration found last stays with the particles.
+  void declare(run::state<D>& box, particles::array& support, bool keeps) {
     box_ = &box;
     support_ = &support;
     auto& w = box.w;
     w.accelerations = particles::declare_vector<D>(w.s, "GravitationalAcceleration", "m/s^2", particles::role::derived);
     potential_ = &particles::declare(w.s, "GravitationalPotential", "J/kg", particles::role::derived);
     w.gravity_varies = true;
+    if (!keeps) return;
+    kept_.emplace(particles::declare_vector<D>(w.s, "EarlierRate_gravity", "m/s^2", particles::role::memory));
   }
   void declare_pass(passes::evaluation<D>& e) {
     auto& w = box_->w;
@@ -34,6 +38,24 @@ class self {
             [this] { find(); });
   }
 
+  // Where it is kept: that of each owned particle, m/s²; null where it is not.
+  double* kept(std::size_t axis) const { return kept_ ? (*kept_)[axis].data() : nullptr; }
+  // Collective. Where nothing has moved since the last time, the field is what it was.
+  void update() {
+    std::swap(cloud_, before_);
+    gather();
+    const std::size_t n = box_->w.s.fluid;
+    if (found_[0].size() != n || !(cloud_ == before_)) {
+      for (auto& values : found_) values.resize(n);
+      field<D> to{{}, found_[D].data()};
+      for (std::size_t a = 0; a < D; ++a) to.acceleration[a] = found_[a].data();
+      tree_(cloud_.view(), cloud_.first, cloud_.first + n, to);
+    }
+    if (kept_)
+      for (std::size_t a = 0; a < D; ++a) std::ranges::copy(found_[a], (*kept_)[a].begin());
+  }
+  // By how much the following evaluations take the acceleration; 0: it is not found.
+  void weigh(double weight) { weight_ = weight; }
   const particles::array& potential() const { return *potential_; }
 
   // Collective. |a - a_direct|/|a_direct| of the last evaluation: the median, and what 99 % are below. Of every n-th
@@ -133,29 +155,27 @@ class self {
     take(cloud_.id, sorted.id);
     return sorted;
   }
-  // Where nothing has moved since the last evaluation, the field is what it was.
   void find() {
-    std::swap(cloud_, before_);
-    gather();
     auto& w = box_->w;
-    const std::size_t n = w.s.fluid;
-    if (found_[0].size() != n || !(cloud_ == before_)) {
-      for (auto& values : found_) values.resize(n);
-      field<D> to{{}, found_[D].data()};
-      for (std::size_t a = 0; a < D; ++a) to.acceleration[a] = found_[a].data();
-      tree_(cloud_.view(), cloud_.first, cloud_.first + n, to);
+    if (weight_ == 0.0) {
+      for (std::size_t a = 0; a < D; ++a) std::ranges::fill(w.accelerations[a], 0.0);
+      return;
     }
-    for (std::size_t a = 0; a < D; ++a) std::ranges::copy(found_[a], w.accelerations[a].begin());
+    update();
+    for (std::size_t a = 0; a < D; ++a)
+      std::ranges::transform(found_[a], w.accelerations[a].begin(), [this](double g) { return weight_ * g; });
     std::ranges::copy(found_[D], potential_->begin());
   }
 
   const tree_options options_;
+  double weight_ = 1.0;
   tree<D> tree_;
   gathered cloud_, before_;
   std::array<std::vector<double>, D + 1> found_;  // acceleration and potential of this rank's particles
   run::state<D>* box_ = nullptr;
   particles::array* support_ = nullptr;
   particles::array* potential_ = nullptr;
+  std::optional<particles::vector_field<D>> kept_;
 };
 
 }  // namespace tetsuame::gravity

@@ -92,6 +92,7 @@ struct explicit_integrator::implementation {
   rhs_function rhs;
   limit_function limit;
   radius_function radius_bound;
+  slow_function slow;
   double t;
 
   bool is_ab2 = options.method == "ab2", is_euler = options.method == "euler", is_kdk = options.method == "kdk",
@@ -113,6 +114,8 @@ struct explicit_integrator::implementation {
   vector_handle latest_rate{};  // what f gave last
   vector_handle saved{};        // formed here: the state at the start of the step
   vector_handle spare{};        // stage j-2, error
+  vector_handle between{};      // of 'kdk' with substeps: the state at the start of one
+  vector_handle kept{};         // and the kept rates at the start of the step, with slow rates in those of positions
   arkode_handle arkode{};
   bool rate_known = false;
   bool repeats = false;            // the next evaluation was counted before the state was saved
@@ -121,9 +124,11 @@ struct explicit_integrator::implementation {
   int stages_left = 0;             // to be evaluated in this step; -1: and the rate at its end is, too
   int rhs_status = 0;              // the last value of f that was not 0
   double step_error = 0.0;         // e of the last attempt
+  double slow_weight = 1.0;        // of the slow forces in f
 
   // ---- setting up ------------------------------------------------------------------------------
 
+  bool has_substeps() const { return is_kdk && options.substeps > 1; }
   std::size_t number(const field& f) const { return f.number.value_or(n); }
   std::vector<state_field> state() const {
     std::vector<state_field> all;
@@ -145,8 +150,7 @@ struct explicit_integrator::implementation {
     arkode.reset();
     start_rate.reset();
     latest_rate.reset();
-    saved.reset();
-    spare.reset();
+    for (auto* one : {&saved, &spare, &between, &kept}) one->reset();
     home = make_state_vector(context, communicator, state());
     // ARKODE asks for a norm a step even where the step is fixed and nobody uses it.
     if (!adaptive) home->ops->nvwrmsnorm = [](N_Vector, N_Vector) { return 0.0; };
@@ -158,6 +162,8 @@ struct explicit_integrator::implementation {
     } else {
       saved.reset(N_VClone(home.get()));
       spare.reset(is_stabilised || is_kdk ? N_VClone(home.get()) : nullptr);
+      if (has_substeps())
+        for (auto* one : {&between, &kept}) one->reset(N_VClone(home.get()));
     }
   }
 
@@ -281,21 +287,26 @@ struct explicit_integrator::implementation {
     }
     rhs_status = 0;
     if (std::exchange(repeats, false)) --statistics.evaluations;
+    if (is_kdk) slow_weight = options.substeps;
     if (evaluate(t, start_rate.get()) != 0) {
       raise_rhs_failure();
       fail_calculation(
           fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
     }
     rate_known = true;
-    if (is_kdk && previous_dt == 0.0) keep_rates(start_rate.get(), t);
+    if (!is_kdk || previous_dt != 0.0) return;
+    keep_rates(start_rate.get());
+    choose_next_kdk(t);
   }
 
   // Of 'kdk': the kicks of the next step, and its length.
-  void keep_rates(N_Vector rate, double at) {
+  void keep_rates(N_Vector rate) {
     const auto f = values(rate);
     for_all_values([&](std::size_t k, std::size_t i) {
       if (!fields[k].velocity) fields[k].previous_rate[i] = f[k][i];
     });
+  }
+  void choose_next_kdk(double at) {
     if (adaptive) stable_step = limit(at);
     statistics.next_dt = adaptive ? stable_step.dt : options.dt;
   }
@@ -424,7 +435,19 @@ struct explicit_integrator::implementation {
     fail_calculation(fmt::format("ARKODE failed at t = {:.17g} s (code {}): {}", t, flag, messages.last));
   }
 
-  void return_to_saved() { N_VScale(1.0, saved.get(), home.get()); }
+  void return_to_saved() {
+    N_VScale(1.0, saved.get(), home.get());
+    if (!has_substeps()) return;
+    keep_rates(kept.get());
+    const auto all = values(kept.get());
+    for_all_values([&](std::size_t k, std::size_t i) {
+      if (double* const slow_rate = slow_rate_of(k)) slow_rate[i] = all[k][i];
+    });
+  }
+  // Of the velocity of a position.
+  double* slow_rate_of(std::size_t k) const {
+    return fields[k].velocity ? fields[*fields[k].velocity].slow_rate : nullptr;
+  }
 
   outcome attempt_here(double dt) {
     if (is_euler)
@@ -491,25 +514,69 @@ struct explicit_integrator::implementation {
   // Kick, drift, kick, with one evaluation: velocities by half a step of the kept rate, positions by a step of these,
   // and the other half by the rate there. That is taken of velocities, energies and what else changes as they would be
   // after a step of the kept rates, and kept for the next step [V. Springel, MNRAS 364, 1105 (2005), section 3].
+  // With substeps the impulses of slow forces are at the ends of the whole step [M. Tuckerman, B. J. Berne,
+  // G. J. Martyna, J. Chem. Phys. 97, 1990 (1992)]. Where f is evaluated velocities have half of the impulse there.
   int kdk_step(double dt) {
-    const auto y0 = values(saved.get());
+    if (has_substeps()) {
+      const auto all = values_to_overwrite(kept.get());
+      for_all_values([&](std::size_t k, std::size_t i) {
+        if (!fields[k].velocity)
+          all[k][i] = fields[k].previous_rate[i];
+        else if (const double* const slow_rate = slow_rate_of(k))
+          all[k][i] = slow_rate[i];
+      });
+    }
+    const int last = options.substeps;
+    for (int part = 1; part <= last; ++part) {
+      if (part > 1) N_VScale(1.0, home.get(), between.get());
+      const substep now{part == 1 ? saved.get() : between.get(), dt / last,
+                        part == last ? t + dt : t + part * (dt / last), part == 1 ? 0.5 * dt : 0.0,
+                        part == last ? 0.5 * dt : 0.0};
+      slow_weight = part == last ? last : 0.0;
+      if (const int status = kdk_substep(now); status != 0) return status;
+    }
+    return 0;
+  }
+  struct substep {
+    N_Vector from;
+    double dt, end;           // s
+    double opening, closing;  // s: of slow forces, half an impulse over its rate; 0: none
+  };
+  int kdk_substep(const substep& now) {
+    const auto y0 = values(now.from);
+    const double dt = now.dt;
     set_arrays([&](std::size_t k, std::size_t i) {
       const auto& v = fields[k].velocity;
       return v ? y0[k][i] + dt * (y0[*v][i] + 0.5 * dt * fields[*v].previous_rate[i])
                : y0[k][i] + dt * fields[k].previous_rate[i];
     });
-    if (const int status = evaluate(t + dt, latest_rate.get()); status != 0) return status;
+    if (slow && has_substeps()) {
+      // The kept rates have the whole impulse in them.
+      if (now.opening > 0.0) add_slow(-now.opening);
+      if (now.closing > 0.0) {
+        slow();
+        add_slow(now.closing);
+      }
+    }
+    if (const int status = evaluate(now.end, latest_rate.get()); status != 0) return status;
     const auto f = values(latest_rate.get());
-    // Corrected once the limit of the next step has been asked for at the state of the evaluation.
     const auto before = values_to_overwrite(spare.get());
     for_all_values([&](std::size_t k, std::size_t i) {
       if (!fields[k].velocity) before[k][i] = fields[k].previous_rate[i];
     });
-    keep_rates(latest_rate.get(), t + dt);
+    keep_rates(latest_rate.get());
+    // The limit of the next step is asked for at the state of the evaluation, which is corrected then.
+    if (now.closing > 0.0) choose_next_kdk(now.end);
     set_arrays([&](std::size_t k, std::size_t i) {
       return fields[k].velocity ? fields[k].data[i] : y0[k][i] + 0.5 * dt * (before[k][i] + f[k][i]);
     });
     return 0;
+  }
+  void add_slow(double seconds) {
+    for_all_values([&](std::size_t k, std::size_t i) {
+      if (fields[k].slow_rate != nullptr) fields[k].data[i] += seconds * fields[k].slow_rate[i];
+    });
+    home_was_changed(home.get());
   }
 
   int stabilised_stages(double dt) {
@@ -607,7 +674,7 @@ struct explicit_integrator::implementation {
 
 explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
                                          explicit_options options, rhs_function rhs, limit_function limit,
-                                         radius_function radius)
+                                         radius_function radius, slow_function slow)
     : self_(new implementation{.communicator = communicator,
                                .fields = std::move(fields),
                                .n = n,
@@ -615,11 +682,13 @@ explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<fiel
                                .rhs = std::move(rhs),
                                .limit = std::move(limit),
                                .radius_bound = std::move(radius),
+                               .slow = std::move(slow),
                                .t = t}) {
   const auto& o = self_->options;
   if (!self_->adaptive && !(o.dt > 0.0 && std::isfinite(o.dt)))
     fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
   if (self_->is_kdk && self_->adaptive && !self_->limit) fail_input("method 'kdk' needs a step dt or a limit of steps");
+  if (o.substeps < 1) fail_input(fmt::format("substeps must be 1 or more, not {}", o.substeps));
   self_->check_fields();
   self_->build();
 }
@@ -662,6 +731,8 @@ void explicit_integrator::state_changed() {
   self_->rate_known = self_->repeats = false;
   self_->previous_dt = 0.0;
 }
+
+double explicit_integrator::weight_of_slow_forces() const { return self_->slow_weight; }
 
 const explicit_statistics& explicit_integrator::statistics() const { return self_->statistics; }
 long long explicit_integrator::copies() const { return copies_made(self_->home.get()); }

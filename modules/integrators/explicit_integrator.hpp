@@ -55,6 +55,7 @@ struct field {
   double* previous_rate = nullptr;
   std::optional<std::size_t> number = {};    // of values, where they are not one a particle
   std::optional<std::size_t> velocity = {};  // 'kdk': a position; which of the fields is its rate
+  double* slow_rate = nullptr;  // 'kdk': n values, the part of slow forces, as slow_function found it last; null: none
 };
 
 struct explicit_options {
@@ -65,6 +66,7 @@ struct explicit_options {
   double rtol = 1e-4;           // adaptive
   bool error_control = true;  // of 'rkl2', 'rkc2', whose steps are else dt; of 'kdk' the largest stable steps, else dt
   int max_stages = 200;       // of 'rkl2', 'rkc2': 3 or more
+  int substeps = 1;           // of 'kdk': of the fast forces in a step, at whose ends the slow ones act
 };
 
 // f: when called the particle arrays hold the state at t; writes dy/dt, one array a field in the
@@ -80,6 +82,10 @@ struct step_limit {
   std::string name;
 };
 using limit_function = std::function<step_limit(double t)>;
+
+// 'kdk': writes field::slow_rate at the positions in the particle arrays, on which alone it depends. So does f, of
+// which weight_of_slow_forces() times these are a part.
+using slow_function = std::function<void()>;
 
 // 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy, called like limit_function.
 using radius_function = std::function<double(double t)>;
@@ -116,7 +122,7 @@ class explicit_integrator {
   // Collective, as all that follows.
   explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
                       explicit_options options, rhs_function rhs, limit_function limit = {},
-                      radius_function radius = {});
+                      radius_function radius = {}, slow_function slow = {});
   ~explicit_integrator();
   explicit_integrator(const explicit_integrator&) = delete;
   explicit_integrator& operator=(const explicit_integrator&) = delete;
@@ -143,6 +149,10 @@ class explicit_integrator {
   // The integrated values were changed in place (positions wrapped, say): f is asked again, and
   // 'ab2' starts anew.
   void state_changed();
+
+  // While f is evaluated, of 'kdk': by how much it is to take the rates of slow forces. With k substeps a step, k at
+  // the step's ends and 0 between: the impulses are those of the whole step. Otherwise 1.
+  double weight_of_slow_forces() const;
 
   const explicit_statistics& statistics() const;
   long long copies() const;  // of the whole state, since the last change of length

@@ -21,6 +21,7 @@ struct time_options {
   std::optional<double> t_end;  // s; not given: of so many steps dt
   double rtol = 1e-4;
   std::optional<double> cfl, diffusive;  // dt c/dx, dt D/dx^2
+  std::int64_t substeps = 1;             // of 'kdk': dt is that of so many, at whose ends slow forces act
 
   // s; of steps and dt where t_end is not given.
   double end() const { return t_end ? *t_end : static_cast<double>(steps) * *dt; }

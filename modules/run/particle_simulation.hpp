@@ -161,7 +161,7 @@ class particle_simulation : public simulation {
     const double most = (next.fixed ? 1.0 : next.varies_steps && lists_widen ? a_little_faster : faster) * flow;
     const double now = allowance();
     double wanted = speed * (next.bound > 0.0 ? std::min(next.dt, next.bound) : next.dt);
-    if (next.varies_steps && wanted > now) wanted = std::min(wanted, speed * largest_step().dt);
+    if (next.varies_steps && wanted > now) wanted = std::min(wanted, speed * largest_step().dt * next.substeps);
     const auto longest_within = [&](double allowed) { return most > 0.0 ? allowed / most : any; };
     const bool wider = possible_allowance(wanted) > now * (1.0 + 1e-9);
     const bool due = (moved != 0.0 || wider) && !(moved + speed * std::min(next.dt, longest_within(now)) <= now);

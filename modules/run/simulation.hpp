@@ -100,6 +100,7 @@ struct evaluation {
   bool may_commit = true;           // commit() may follow: otherwise what serves that alone can be left out
   bool counts = true;               // false: a run that this one continues has counted it
   bool shorter_steps_help = false;  // a state that cannot be evaluated is no failure
+  double slow_forces = 1.0;         // by how much rates have these in them (integrators::explicit_integrator)
 };
 
 struct step_limits {
@@ -119,6 +120,7 @@ struct step_ahead {
   double bound = 0.0;  // s, of equations that have changed since dt was chosen; 0: none
   bool fixed = false;  // the input gives dt
   bool varies_steps = false;
+  double substeps = 1.0;                // of which a stable one is as long as limits() says
   bool first = false;                   // warnings are welcome
   std::optional<step_maxima> maxima{};  // of complete(), over the ranks; none: the state is a new one
 };
@@ -185,6 +187,8 @@ class simulation {
   // dy/dt at the state in the arrays, both of finite numbers, or fail_calculation. Returns false where the state cannot
   // be evaluated and shorter steps help. What lags behind may be read; it moves on in commit() alone.
   virtual bool evaluate(const evaluation& what, std::span<double* const> rate) = 0;
+  // Of rates a part that depends on positions alone: into integrators::field::slow_rate, where there is one.
+  virtual void evaluate_slow() {}
   virtual step_limits limits(bool asks_radius) = 0;  // of the present state, the same on all ranks
   // Before each step: neighbour lists, cuts between ranks.
   virtual step_preparation prepare(const step_ahead&) { return {}; }

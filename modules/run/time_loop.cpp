@@ -74,6 +74,7 @@ struct loop {
     next_evaluation.time = at;
     next_evaluation.step = step;
     next_evaluation.shorter_steps_help = varies_steps();
+    next_evaluation.slow_forces = integrator ? integrator->weight_of_slow_forces() : 1.0;
     return p.evaluate(next_evaluation, rate) ? 0 : 1;
   }
 
@@ -86,8 +87,16 @@ struct loop {
   std::string steps_follow_from() const {
     const auto& t = o.time;
     const auto first = fmt::format("{} {} dt {}", t.method, o.time.controls_error() ? t.order : 0, t.dt.value_or(0.0));
-    return o.time.controls_error() ? first + " by error"
-                                   : fmt::format("{} cfl {} diffusive {}", first, *t.cfl, *t.diffusive);
+    return o.time.controls_error()
+               ? first + " by error"
+               : fmt::format("{} cfl {} diffusive {} substeps {}", first, *t.cfl, *t.diffusive, t.substeps);
+  }
+
+  // Of a whole step.
+  integrators::step_limit stable_step() {
+    auto limit = p.limits(false).stable;
+    limit.dt *= static_cast<double>(o.time.substeps);
+    return limit;
   }
 
   // kept: s, the fixed step of the run that goes on.
@@ -97,11 +106,12 @@ struct loop {
     how.order = static_cast<int>(o.time.order);
     how.rtol = o.time.rtol;
     how.error_control = varies_steps();
+    how.substeps = static_cast<int>(o.time.substeps);
     if (o.time.dt) {
       how.dt = *o.time.dt;
       dt_is = "fixed";
     } else {
-      const auto limit = p.limits(false).stable;
+      const auto limit = stable_step();
       how.dt = how.error_control ? 0.0 : kept > 0.0 ? kept : limit.dt;
       dt_is = limit.name;
       if (!how.error_control && !(how.dt > 0.0 && std::isfinite(how.dt)))
@@ -115,7 +125,7 @@ struct loop {
     integrator = std::make_unique<integrators::explicit_integrator>(
         ranks.comm, arrays.fields, arrays.size, 0.0, how,
         [this](double at, std::span<double* const> rate) { return right_hand_side(at, rate); },
-        [this](double) { return p.limits(false).stable; }, radius);
+        [this](double) { return stable_step(); }, radius, [this] { p.evaluate_slow(); });
     dt = how.dt;
   }
   double dt = 0.0;                         // s, fixed
@@ -132,6 +142,7 @@ struct loop {
                           .bound = bound.dt,
                           .fixed = o.time.dt.has_value(),
                           .varies_steps = varies_steps(),
+                          .substeps = static_cast<double>(o.time.substeps),
                           .first = first,
                           .maxima = step_flags.maxima});
     if (!prepared.arrays_moved) return;
@@ -229,7 +240,7 @@ struct loop {
     }
     ++step;
     const completion done = p.complete({integrator->time(), step, watch.busy()});
-    if (done.equations_changed && !o.time.dt && !varies_steps()) bound = p.limits(false).stable;
+    if (done.equations_changed && !o.time.dt && !varies_steps()) bound = stable_step();
     reduce_step_flags(&done);
     if (step_flags.state_changed || done.equations_changed) integrator->state_changed();
   }
@@ -451,7 +462,7 @@ struct loop {
   bool warns = false;  // the next step is the first of its kind
   void warn_about_step() {
     warns = true;
-    const auto limit = p.limits(false).stable;
+    const auto limit = stable_step();
     if (!varies_steps() && dt > limit.dt * (1.0 + 1e-12))
       files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,
                              limit.name, limit.dt));

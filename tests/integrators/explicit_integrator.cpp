@@ -228,39 +228,144 @@ BOOST_AUTO_TEST_CASE(kick_drift_kick_takes_stable_steps_and_goes_on_in_every_bit
       return step_limit{0.02 * std::sqrt(r * r * r), "orbit"};
     };
   };
-  const explicit_options how{.method = "kdk"};
-  orbit whole{0.05}, part{0.05};
-  explicit_integrator all(MPI_COMM_SELF, whole.fields(), 1, 0.0, how, whole.rhs(), limit_of(whole));
-  run(all, year);
-  BOOST_CHECK_EQUAL(all.statistics().limited_by.at("orbit") + all.statistics().limited_by.at("output"),
-                    all.statistics().steps);
-  explicit_memory memory;
-  {
-    explicit_integrator first(MPI_COMM_SELF, part.fields(), 1, 0.0, how, part.rhs(), limit_of(part));
-    for (int k = 0; k < 100; ++k) first.step(year);
-    memory = first.save();
+  for (const int substeps : {1, 3}) {
+    const explicit_options how{.method = "kdk", .substeps = substeps};
+    orbit whole{0.05}, part{0.05};
+    explicit_integrator all(MPI_COMM_SELF, whole.fields(), 1, 0.0, how, whole.rhs(), limit_of(whole));
+    run(all, year);
+    BOOST_CHECK_EQUAL(all.statistics().limited_by.at("orbit") + all.statistics().limited_by.at("output"),
+                      all.statistics().steps);
+    explicit_memory memory;
+    {
+      explicit_integrator first(MPI_COMM_SELF, part.fields(), 1, 0.0, how, part.rhs(), limit_of(part));
+      for (int k = 0; k < 100; ++k) first.step(year);
+      memory = first.save();
+    }
+    explicit_integrator rest(MPI_COMM_SELF, part.fields(), 1, 0.0, how, part.rhs(), limit_of(part));
+    rest.restore(memory);
+    rest.prepare();  // as what follows from the state is not saved
+    run(rest, year);
+    check_same_bits(whole.x, part.x);
+    check_same_bits(whole.v, part.v);
+    BOOST_CHECK_EQUAL(rest.statistics().steps, all.statistics().steps);
+    BOOST_CHECK_EQUAL(rest.statistics().evaluations, all.statistics().evaluations);
   }
-  explicit_integrator rest(MPI_COMM_SELF, part.fields(), 1, 0.0, how, part.rhs(), limit_of(part));
-  rest.restore(memory);
-  rest.prepare();  // as what follows from the state is not saved
-  run(rest, year);
-  check_same_bits(whole.x, part.x);
-  check_same_bits(whole.v, part.v);
-  BOOST_CHECK_EQUAL(rest.statistics().steps, all.statistics().steps);
-  BOOST_CHECK_EQUAL(rest.statistics().evaluations, all.statistics().evaluations);
 }
 
 BOOST_AUTO_TEST_CASE(kick_drift_kick_tries_a_shorter_step_where_a_state_cannot_be_evaluated) {
-  orbit o{0.0};
-  o.refuse = 12;
-  explicit_integrator integrator(MPI_COMM_SELF, o.fields(), 1, 0.0, {.method = "kdk"}, o.rhs(), [](double) {
-    return step_limit{0.01, "orbit"};
-  });
-  const double start = o.energy();
-  for (int k = 0; k < 40; ++k) integrator.step(1e9);
-  BOOST_CHECK_EQUAL(integrator.statistics().unevaluable, 1);
-  BOOST_CHECK_EQUAL(integrator.statistics().limited_by.at("accuracy"), 2);  // that step and the one after it
-  BOOST_CHECK_SMALL(o.energy() / start - 1.0, 1e-5);
+  for (const int substeps : {1, 3})
+    for (const int refused : {11, 12}) {
+      orbit o{0.0};
+      o.refuse = refused;
+      explicit_integrator integrator(MPI_COMM_SELF, o.fields(), 1, 0.0, {.method = "kdk", .substeps = substeps},
+                                     o.rhs(), [&](double) {
+                                       return step_limit{0.01 * substeps, "orbit"};
+                                     });
+      const double start = o.energy();
+      for (int k = 0; k < 40; ++k) integrator.step(1e9);
+      BOOST_CHECK_EQUAL(integrator.statistics().unevaluable, 1);
+      BOOST_CHECK_EQUAL(integrator.statistics().limited_by.at("accuracy"), 2);  // that step and the one after it
+      BOOST_CHECK_SMALL(o.energy() / start - 1.0, 1e-5);
+    }
+}
+
+// Two springs that pull at one mass: the stiff one is the fast force, the other one the slow force. With friction,
+// whose heat is integrated too.
+struct two_springs {
+  double x = 1.0, v = 0.0, heat = 0.0, kept_v = 0.0, kept_heat = 0.0, slow_v = 0.0;
+  double fast2 = 100.0, slow2 = 1.0, friction = 0.0;  // 1/s², 1/s
+  int calls = 0, slow_calls = 0, refuse = 0;
+
+  double exact(double t) const { return std::cos(std::sqrt(fast2 + slow2) * t); }
+  double energy() const { return 0.5 * (v * v + (fast2 + slow2) * x * x) + heat; }
+  void find_slow() { slow_v = -slow2 * x; }
+  // The end after steps of dt each, with so many substeps.
+  explicit_statistics go(double dt, int steps, int substeps) {
+    std::vector<field> fields{{"x", &x}, {"v", &v}, {"heat", &heat}};
+    fields[0].velocity = 1;
+    fields[1].previous_rate = &kept_v;
+    fields[1].slow_rate = &slow_v;
+    fields[2].previous_rate = &kept_heat;
+    explicit_integrator* by = nullptr;
+    const auto rhs = [&](double, std::span<double* const> rate) {
+      if (++calls == refuse) return 1;
+      const double weight = by->weight_of_slow_forces();
+      if (weight != 0.0) {
+        ++slow_calls;
+        find_slow();
+      }
+      rate[0][0] = v;
+      rate[1][0] = -fast2 * x + weight * slow_v - friction * v;
+      rate[2][0] = friction * v * v;
+      return 0;
+    };
+    explicit_integrator integrator(
+        MPI_COMM_SELF, fields, 1, 0.0, {.method = "kdk", .substeps = substeps}, rhs,
+        [dt](double) {
+          return step_limit{dt, "spring"};
+        },
+        {}, [&] { find_slow(); });
+    by = &integrator;
+    run_to(integrator, steps, 1e9);
+    return integrator.statistics();
+  }
+};
+
+BOOST_AUTO_TEST_CASE(slow_forces_act_at_the_ends_of_a_step) {
+  constexpr int steps = 200, substeps = 4;
+  const auto error_with = [](int refined) {
+    two_springs s;
+    s.go(2.0 / (steps * refined), steps * refined, substeps);
+    BOOST_CHECK_EQUAL(s.calls, steps * refined * substeps + 1);
+    BOOST_CHECK_EQUAL(s.slow_calls, steps * refined + 1);
+    return std::fabs(s.x - s.exact(2.0));
+  };
+  BOOST_CHECK_SMALL(std::log2(error_with(1) / error_with(2)) - 2.0, 0.05);
+
+  // By hand: half an impulse, four steps of the stiff spring, half an impulse.
+  two_springs s;
+  const double dt = 0.01, part = dt / substeps;
+  s.go(dt, steps, substeps);
+  double x = 1.0, v = 0.0;
+  for (int k = 0; k < steps; ++k) {
+    v -= 0.5 * dt * s.slow2 * x;
+    for (int j = 0; j < substeps; ++j) {
+      v -= 0.5 * part * s.fast2 * x;
+      x += part * v;
+      v -= 0.5 * part * s.fast2 * x;
+    }
+    v -= 0.5 * dt * s.slow2 * x;
+  }
+  BOOST_CHECK_SMALL(s.x - x, 1e-12);
+  BOOST_CHECK_SMALL(s.v - v, 1e-11);
+
+  // The energy of a symplectic method does not drift.
+  two_springs longer;
+  longer.go(0.01, 100000, substeps);
+  const double energy = 0.5 * (longer.v * longer.v + (longer.fast2 + longer.slow2) * longer.x * longer.x);
+  BOOST_CHECK_SMALL(energy / (0.5 * (longer.fast2 + longer.slow2)) - 1.0, 1e-3);
+}
+
+BOOST_AUTO_TEST_CASE(slow_forces_and_rates_of_velocities) {
+  // Friction is evaluated at velocities with half of the slow impulse there: heat and motion together keep the energy.
+  const auto change = [](double dt, int substeps) {
+    two_springs s;
+    s.fast2 = 1.0, s.slow2 = 4.0, s.friction = 0.3;
+    const double before = s.energy();
+    s.go(dt, static_cast<int>(std::lround(8.0 / dt)), substeps);
+    return std::fabs(s.energy() / before - 1.0);
+  };
+  BOOST_CHECK_SMALL(change(0.02, 2), 5e-4);
+  BOOST_CHECK_SMALL(std::log2(change(0.02, 2) / change(0.01, 2)) - 2.0, 0.3);
+
+  // After an attempt that failed in its second part the shorter step begins where the longer one did.
+  two_springs failed, whole;
+  failed.refuse = 3 * 10 + 3;
+  const auto counted = failed.go(0.01, 12, 3);
+  BOOST_CHECK_EQUAL(counted.unevaluable, 1);
+  whole.go(0.01, 10, 3);
+  two_springs rest = whole;
+  BOOST_CHECK_SMALL(failed.energy() / rest.energy() - 1.0, 1e-4);
 }
 
 BOOST_AUTO_TEST_CASE(adams_bashforth_is_the_hand_loop_and_starts_anew_after_a_short_step) {
@@ -597,6 +702,7 @@ BOOST_AUTO_TEST_CASE(bad_input_is_told_before_anything_runs) {
   BOOST_CHECK_NO_THROW(make(fixed("euler", 0.1), {{"u", p.u.data()}}));
   BOOST_CHECK_THROW(make(fixed("ab2", 0.1), {{"u", p.u.data()}}), error);
   BOOST_CHECK_THROW(make(kicked(0.1), {{"u", p.u.data()}}), error);
+  BOOST_CHECK_THROW(make({.method = "kdk", .dt = 0.1, .error_control = false, .substeps = 0}, p.fields()), error);
   BOOST_CHECK_THROW(make({.method = "kdk"}, p.fields()), error);            // neither a step nor a limit
   BOOST_CHECK_THROW(make(fixed("rkl2", 0.1), {{"u", p.u.data()}}), error);  // its error estimate weighs
   BOOST_CHECK_THROW(make({.method = "rkl2", .error_control = false}, p.fields()), error);

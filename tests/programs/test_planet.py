@@ -268,14 +268,30 @@ class Planet(Case):
                 self.assert_exact("planet", "planet_earth", {**short, "time.method": method}, 5, layouts=((2, 1), (3, 2)))
 
     def test_kick_drift_kick(self):
-        """One evaluation a step, and as good an answer as by Runge-Kutta with three, in double precision."""
+        """One evaluation a substep, and as good an answer as by Runge-Kutta with three, in double precision."""
         s, other = (self.summary(more) for more in ({}, {"time.method": "adaptive", "kernel.precision": "double"}))
-        self.assertEqual(s["rhs_evaluations"], s["steps"] + 1)
+        self.assertEqual(s["rhs_evaluations"], 2 * s["steps"] + 1)
         self.assertGreater(other["rhs_evaluations"], 3 * other["steps"])
         for name in ("profile_density_error", "v_rms_over_v_escape"):
             self.assertAlmostEqual(s["metrics"][name] / other["metrics"][name], 1, delta=0.02)
         refused = self.call("planet", *self.arguments("planet_earth", {"planet.scheme": "remix", "kernel.precision": "single"}, self.here / "no"))
         self.assert_says(refused, BAD_INPUT, "&kernel precision", "remix")
+
+    def test_substeps(self):
+        """Gravity once in several substeps: what is conserved stays so, and the planet is the same one."""
+        of = {n: self.summary({"expert.substeps": n, "kernel.precision": "double"}) for n in (1, 2, 3)}
+        for n, s in of.items():
+            self.assertEqual(s["rhs_evaluations"], n * s["steps"] + 1)
+            self.assertLess(abs(s["metrics"]["energy_drift"]), 1e-6 * n**4)
+            self.assertLess(s["metrics"]["momentum_drift"], 1e-8)
+            self.assertLess(s["metrics"]["angular_momentum_drift"], 1e-6)
+            self.assertAlmostEqual(s["metrics"]["profile_density_error"] / of[1]["metrics"]["profile_density_error"], 1, delta=0.1)
+            self.assertLess(s["metrics"]["v_rms_over_v_escape"], 1.1 * of[1]["metrics"]["v_rms_over_v_escape"])
+        self.assertLess(of[3]["steps"], 0.4 * of[1]["steps"])
+        self.assert_exact("planet", "planet_earth", {**SMALL, "planet.particles": 500, "expert.settle": 1, "expert.substeps": 3, "time.t_end": 400}, 3, [(2, 1)])
+        for settings in ({"expert.substeps": 3, "time.method": "adaptive"}, {"expert.substeps": 0}):
+            refused = self.call("planet", *self.arguments("planet_earth", settings, self.here / "no"))
+            self.assert_says(refused, BAD_INPUT, "substeps")
 
     def test_a_snapshot_as_start(self):
         """It goes on without settling, and one that moves is not brought to rest unasked."""

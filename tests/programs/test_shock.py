@@ -358,6 +358,32 @@ class Shock(Case):
         self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1, delta=0.2)
         self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
 
+    def test_sharp_contacts_of_equal_masses(self):
+        """Of two materials that flow past each other or lie one on the other; the theory is that of sharp contacts, nearly incompressible."""
+        small = {"domain.dimension": 2, "domain.particles_x": 32, "time.steps": 1}
+        # Under gravity masses are equal at the contact; above it the weight is less, below it more.
+        for name, unequal in (("kelvin_helmholtz_earth", 0.05), ("rayleigh_taylor_earth", 0.1)):
+            with self.subTest(name):
+                result = self.run_program("shock", name, small)
+                m = result.summary["metrics"]
+                self.assertAlmostEqual(m["growth_rate_theory"] / m["growth_rate_sharp"], 1, delta=0.01)
+                with h5py.File(result.directory / "snapshot_0000.h5") as f:
+                    p = f["PartType0"]
+                    material, mass, rho, x = (p[key][:] for key in ("Material", "Masses", "Density", "Coordinates"))
+                metal = rho > 1e4
+                self.assertEqual(set(material[metal]) & set(material[~metal]), set())
+                self.assertAlmostEqual(mass[metal].mean() / mass[~metal].mean(), 1, delta=unequal)
+                self.assertTrue(1.9 < rho[metal].mean() / rho[~metal].mean() < 2.3)
+                self.assertGreater(metal.sum(), 1.9 * (~metal).sum())
+        for name in ("kelvin_helmholtz", "rayleigh_taylor"):  # smooth layers
+            self.assertIn("equal_spacing", self.run_program("shock", name, {"shock.masses": "equal_mass"}, expect=BAD_INPUT).stderr)
+
+    def test_kelvin_helmholtz_of_iron_and_rock(self):
+        """A wave of the contact grows, by half of the theory's rate at least: the lattice resists (docs/studies)."""
+        s = self.summary("kelvin_helmholtz_earth", {"domain.dimension": 2, "kernel.h_over_dx": 2.4, "time.t_end": 5400})
+        self.assertGreater(s["metrics"]["growth_rate"], 0.45 * s["metrics"]["growth_rate_theory"])
+        self.assertLess(abs(s["conservation"]["energy"]), 1e-3)
+
     def test_impact(self):
         """Two bodies in empty space: momentum to rounding, and in the middle the pressure of mantles that meet in one dimension."""
         s = self.summary("impact_2d", {"domain.particles_x": 40, "domain.particles_y": 40, "time.t_end": 2, **DOUBLE})

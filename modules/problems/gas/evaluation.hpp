@@ -148,7 +148,7 @@ class list_of_passes {
     if constexpr (D > 1)
       if (g_.o.self_gravity) {
         g_.attraction = std::make_unique<gravity::self<D>>(*g_.o.self_gravity);
-        g_.attraction->declare(g_, g_.softening);
+        g_.attraction->declare(g_, g_.softening, g_.o.common.time.substeps > 1);
       }
     if (g_.o.common.time.method == "kdk") e.keep_rates(passes::evaluation<D>::kept::all_but_positions);
     e.integrate_motion({0.0, 0.0, speed});

@@ -179,7 +179,26 @@ class flow : public run::particle_simulation<D> {
     passes_.declare();
   }
 
-  std::vector<integrators::field> fields() override { return passes_.e.fields(); }
+  std::vector<integrators::field> fields() override {
+    auto all = passes_.e.fields();
+    if constexpr (D > 1)
+      if (g_.attraction)
+        for (auto& one : all)
+          for (std::size_t a = 0; a < D; ++a)
+            if (one.data == g_.w.s.v[a].data()) one.slow_rate = g_.attraction->kept(a);
+    return all;
+  }
+  void evaluate_slow() override {
+    if constexpr (D > 1) {
+      if (!g_.attraction) return;
+      try {
+        g_.attraction->update();
+      } catch (const foundation::error&) {  // of all ranks
+        this->check_state();
+        throw;
+      }
+    }
+  }
 
   bool evaluable() override {
     constexpr double any = std::numeric_limits<double>::infinity();
@@ -187,7 +206,11 @@ class flow : public run::particle_simulation<D> {
     if (g_.any_eos) return true;
     return ranks.minimum(foundation::smallest_of(s.fluid, any, [&](std::size_t i) { return s.u[i]; })) > 0.0;
   }
-  void sum_rates(std::span<double* const> rate) override { passes_.e.run(rate); }
+  void sum_rates(std::span<double* const> rate) override {
+    if constexpr (D > 1)
+      if (g_.attraction) g_.attraction->weigh(this->evaluating().slow_forces);
+    passes_.e.run(rate);
+  }
 
   // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)); and friction or conduction, Δt = diffusive
   // · Δx_i²/D_i, D = max(μ + (d + 1) c, k/c_V)/ρ (schemes/molecular.hpp).

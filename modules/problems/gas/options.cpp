@@ -40,7 +40,8 @@ void declare_case(namelist::schema& schema, shock_options& s) {
            "forces with geometric densities. Supports that follow the density are found once a step, which makes "
            "every method of &time of first order"});
   schema.add("shock", "masses", s.masses,
-             {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
+             {.choices = {"equal_mass", "equal_spacing"},
+              .meaning = "of the particles where the density jumps; smooth layers have equal spacing"});
 }
 
 void declare_weights(namelist::schema& schema, shock_options& s) {
@@ -101,7 +102,7 @@ void declare_states(namelist::schema& schema, shock_options& s) {
   for (const auto& [name, where, of] : ends) {
     schema.add("shock", "eos_" + name, of.eos,
                {.choices = equations,
-                .meaning = "riemann, square, rayleigh_taylor, impact: equation of state" + where +
+                .meaning = "riemann, square, kelvin_helmholtz, rayleigh_taylor, impact: equation of state" + where +
                            ", with its own parameters; '': the gas of gamma and p_infinity"});
     schema.add("shock", "tillotson_" + name, of.tillotson,
                {.choices = {"", "iron", "granite", "basalt"},
@@ -219,6 +220,11 @@ double expected_particles(const options& o) {
     return std::min(lattice, 2.0 * run::particles_within(radius, o.domain.dimension));
   }
   if (o.shock.test == "collapse") return lattice * std::numbers::pi / 6.0;
+  if (o.shock.masses == "equal_mass" && o.any_eos()) {
+    const double denser = o.shock.l.rho / o.shock.r.rho;
+    if (o.shock.test == "kelvin_helmholtz") return 0.5 * lattice * (1.0 + denser);
+    if (o.shock.test == "rayleigh_taylor") return 0.5 * lattice * (1.0 + 1.0 / denser);
+  }
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
   const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
   return lattice * (1.0 - inside + inside * o.shock.l.rho / o.shock.r.rho);
@@ -248,7 +254,7 @@ void resolve_material(const namelist::schema& schema, const std::string& test, c
   if (!side.table.empty() && side.eos != "table") fail("table_", "needs eos_" + end + " = 'table'");
   if (side.temperature && side.eos.empty()) fail("temperature_", "a temperature needs an equation of state");
   if (side.eos.empty()) return;
-  const std::array<std::string_view, 4> tests{"riemann", "square", "rayleigh_taylor", "impact"};
+  const std::array<std::string_view, 5> tests{"riemann", "square", "kelvin_helmholtz", "rayleigh_taylor", "impact"};
   if (std::find(tests.begin(), tests.end(), test) == tests.end())
     fail("eos_", "the test '" + test + "' is of an ideal gas");
   if (!side.temperature) fail("eos_", "an equation of state needs temperature_" + end);
@@ -264,7 +270,13 @@ void resolve_material(const namelist::schema& schema, const std::string& test, c
 
 void resolve_materials(const namelist::schema& schema, options& o) {
   auto& s = o.shock;
-  if (o.any_eos() && (s.test == "impact" || s.test == "rayleigh_taylor")) {
+  const bool waves = s.test == "kelvin_helmholtz" || s.test == "rayleigh_taylor";
+  if (waves && !o.any_eos()) {
+    if (schema.given("shock", "masses") && s.masses == "equal_mass")
+      schema.fail("shock", "masses", "the layers of this test are smooth: expected 'equal_spacing'");
+    s.masses = "equal_spacing";
+  }
+  if (o.any_eos() && (s.test == "impact" || waves)) {
     if (!schema.given("shock", "p_r")) s.r.p = s.l.p;
     if (s.r.p != s.l.p) schema.fail("shock", "p_r", "where the materials touch both have the pressure p_l");
   }
@@ -379,7 +391,8 @@ void choose_precision(const namelist::schema& schema, options& o) {
                 "Pa");
   if (o.evolves_density()) schema.fail("kernel", "precision", "the scheme 'remix' computes pairs in double precision");
   if (o.element.any())
-    schema.fail("kernel", "precision", "expected 'double': the exchange of an element is summed in it, so that none is lost");
+    schema.fail("kernel", "precision",
+                "expected 'double': the exchange of an element is summed in it, so that none is lost");
   if (exact) schema.fail("kernel", "precision", "solver = 'exact' iterates in double precision: 'single' needs 'hllc'");
 }
 

@@ -8,6 +8,8 @@ namespace tetsuame::gas {
 // An even lattice of about this spacing.
 block lattice(const options& o, const point& low, const point& high, double spacing);
 block whole_box(const options& o);
+// The spacing with which gas of density rho has particles of the mass they have on the start lattice at rho_lattice.
+double spacing_of(const options& o, double rho, double rho_lattice);
 double distance(const point& a, const point& b);
 
 // What a test of a growing wave tells: the rate of theory and its own, of the wave k (1/m) near the layers at these
@@ -27,6 +29,7 @@ double wave_number(const options& o);
 
 // Tests of materials with equations of state: setups_of_materials.cpp.
 setup overturn(const options& o);
+setup shear(const options& o);
 setup impact(const options& o);
 
 // setup_of_collapse.cpp

@@ -25,13 +25,12 @@ double distance(const point& a, const point& b) {
   return std::sqrt(r2);
 }
 
-namespace {
-
-// The spacing with which gas of density rho has particles of the mass they have on the start lattice at rho_lattice.
 double spacing_of(const options& o, double rho, double rho_lattice) {
   if (o.shock.masses == "equal_spacing") return o.domain.dx();
   return o.domain.dx() * std::pow(rho_lattice / rho, 1.0 / static_cast<double>(o.domain.dimension));
 }
+
+namespace {
 
 // Two half boxes; as many particles in all as the lattice has.
 setup two_halves(const options& o, std::function<state(const point&, double t)> exact, numbers known) {
@@ -442,7 +441,7 @@ setup test_of(const options& o) {
   if (test == "noh") return noh(o);
   if (test == "gresho") return gresho(o);
   if (test == "blasts") return blasts(o);
-  if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
+  if (test == "kelvin_helmholtz") return o.any_eos() ? shear(o) : kelvin_helmholtz(o);
   if (test == "rayleigh_taylor") return o.any_eos() ? overturn(o) : rayleigh_taylor(o);
   if (test == "impact") return impact(o);
   if (test == "collapse") return collapse(o);

@@ -88,7 +88,12 @@ setup overturn(const options& o) {
   const exact::layered_flow layers{profile, 1.0, s.gravity, 0.0, H, exact::edge::wall, exact::edge::wall, {0.5 * H}};
   const double growth = k * exact::fastest_mode(layers, k).imag();
   setup t;
-  t.blocks = {whole_box(o)};
+  const point middle{o.domain.length[0], 0.5 * H, o.domain.length[2]}, foot{0.0, 0.5 * H, 0.0};
+  if (s.masses == "equal_mass")
+    t.blocks = {lattice(o, {}, middle, o.domain.dx()),
+                lattice(o, foot, o.domain.length, spacing_of(o, s.r.rho, s.l.rho))};
+  else
+    t.blocks = {whole_box(o)};
   const std::array<eos::any, 2> liquids{eos_of(s.l), eos_of(s.r)};
   const std::array<double, 2> T{*s.l.temperature, *s.r.temperature};
   const interface_wave wave{k, H, s.perturbation, growth};
@@ -110,6 +115,43 @@ setup overturn(const options& o) {
   t.known.emplace_back("growth_rate_sharp",
                        exact::rayleigh_taylor_growth(k, s.gravity, s.r.rho, s.l.rho, 0.5 * H, 0.5 * H));
   t.traces.push_back(mean_height(1));
+  return t;
+}
+
+// A band of the left material (1), half of the box, that flows past the right one (0) with sharp contacts, as in
+// [T. D. Sandnes et al., J. Comput. Phys. 532, 113907 (2025), section 4.4], and the linear theory of just these layers,
+// both compressible: exact/instability.hpp with K_S in the place of γ p.
+setup shear(const options& o) {
+  const auto& s = o.shock;
+  const point end = o.domain.length;
+  const double H = end[1], k = wave_number(o);
+  const auto inside = [H](double y) { return std::abs(y - 0.5 * H) < 0.25 * H; };
+  const double outer = o.domain.dx(), inner = spacing_of(o, s.l.rho, s.r.rho);
+  setup t;
+  t.material_l = 1;
+  t.blocks = {lattice(o, {}, {end[0], 0.25 * H, end[2]}, outer),
+              lattice(o, {0.0, 0.25 * H, 0.0}, {end[0], 0.75 * H, end[2]}, inner),
+              lattice(o, {0.0, 0.75 * H, 0.0}, end, outer)};
+  t.start = [=](const point& x) {
+    const side_options& own = inside(x[1]) ? s.l : s.r;
+    return state{own.rho, own.p, {own.u, s.perturbation * std::sin(k * x[0]), 0.0}, inside(x[1]) ? 1 : 0};
+  };
+  const auto modulus = [](const side_options& of) {
+    const eos::caloric material(eos_of(of));
+    return of.rho * std::pow(material.at(of.rho, material.internal_energy(of.rho, *of.temperature)).c, 2);
+  };
+  const exact::layer_state in{s.l.rho, s.l.u, modulus(s.l)}, out{s.r.rho, s.r.u, modulus(s.r)};
+  const exact::layered_flow layers{[=](double y) { return inside(y) ? in : out; },
+                                   1.0,
+                                   0.0,
+                                   0.0,
+                                   0.5 * H,
+                                   exact::edge::free,
+                                   exact::edge::free,
+                                   {0.25 * H}};
+  compare_growth(k * exact::fastest_mode(layers, k).imag(), k, {0.25 * H, 0.75 * H}, t);
+  t.known.emplace_back("growth_rate_sharp",
+                       k * std::abs(s.l.u - s.r.u) * std::sqrt(s.l.rho * s.r.rho) / (s.l.rho + s.r.rho));
   return t;
 }
 

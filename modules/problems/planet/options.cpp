@@ -222,6 +222,9 @@ void declare_particles(namelist::schema& schema, options& o) {
                          .maximum = 0.1,
                          .exclusive_minimum = true,
                          .meaning = "self-gravity: error of multipoles, of a lower bound of the field"}));
+  schema.add(
+      "planet", "substeps", o.gas.common.time.substeps,
+      for_expert(between(1, 16, "method = 'kdk': of pressure and friction in a step, at whose ends gravity acts")));
   schema.add("planet", "viscosity", o.viscosity,
              {.unit = "Pa s",
               .minimum = 0.0,
@@ -252,6 +255,7 @@ void check_rotation(const namelist::schema& schema, const options& o) {
 void declare(namelist::schema& schema, options& o) {
   auto& common = o.gas.common;
   common.time.method = "kdk";
+  common.time.substeps = 2;
   common.time.rtol = 0.02;
   common.kernel.name = "wendland_c4";
   common.kernel.h_over_dx = 1.8;  // some 200 neighbours [W. Dehnen, H. Aly, MNRAS 425, 1068 (2012)]
@@ -288,6 +292,12 @@ void declare(namelist::schema& schema, options& o) {
 void resolve(const namelist::schema& schema, options& o) {
   auto& g = o.gas;
   gas::choose_cfl(g.common.time);
+  auto& time = g.common.time;
+  if (time.method != "kdk") {
+    if (schema.given("planet", "substeps") && time.substeps != 1)
+      schema.fail("planet", "substeps", "is of the method 'kdk': the others take gravity in each of their stages");
+    time.substeps = 1;
+  }
   auto& kernel = g.common.kernel;
   if (!schema.given("kernel", "h_over_dx")) {
     if (kernel.name != "wendland_c4") kernel.h_over_dx = 0.0;
