@@ -10,6 +10,7 @@
 // and steps formed here:
 //   'euler'              forward Euler, fixed step: beside the particle arrays one state and one rate
 //   'ab2'                Adams & Bashforth, fixed step, one evaluation a step
+//   'kdk'                kick, drift, kick, fixed or stable steps; slow forces act at the ends of several substeps
 //   'rkl2', 'rkc2'       stabilised for diffusion (stabilised.hpp); steps from an error estimate, or fixed
 // Order 2 has a table of its own: ERKStep 6.4 takes every table whose last abscissa is 1 for
 // "first same as last", which Heun's is not, and would go on with a rate of the wrong state.

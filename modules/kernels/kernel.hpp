@@ -10,9 +10,11 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 #include <kernels/splines.hpp>
 #include <kernels/wendland.hpp>
@@ -21,6 +23,18 @@ namespace tetsuame::kernels {
 
 template <int D>
 using any = std::variant<quintic_spline<D>, cubic_spline<D>, wendland_c2<D>, wendland_c4<D>, wendland_c6<D>>;
+
+// Whether one of these kernels, a variant, is this one.
+template <class Kernels, class Kernel>
+inline constexpr bool has = false;
+template <class... Some, class Kernel>
+inline constexpr bool has<std::variant<Some...>, Kernel> = (std::is_same_v<Some, Kernel> || ...);
+
+// Of a variant of kernels.
+template <class... Some>
+std::vector<std::string> names_of(std::type_identity<std::variant<Some...>>) {
+  return {std::string(Some::name)...};
+}
 
 // The support S is support_over_h * h, with h = h_over_dx * dx.
 struct entry {

@@ -15,6 +15,7 @@
 #include <pairs/pairs.hpp>
 #include <particles/named_fields.hpp>
 #include <particles/storage.hpp>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +44,15 @@ std::string describe_position(const particles::particles<D>& s, std::size_t i) {
   std::string text = fmt::format("particle {} at (", s.id[i]);
   for (std::size_t a = 0; a < D; ++a) text += fmt::format("{}{:.6g}", a > 0 ? ", " : "", s.x[a][i]);
   return text + ") m";
+}
+
+// Whether a term is compiled for a kernel: for all, or for those of its type `kernels`.
+template <class Term, class Kernel>
+constexpr bool is_compiled_for() {
+  if constexpr (requires { typename Term::kernels; })
+    return kernels::has<typename Term::kernels, Kernel>;
+  else
+    return true;
 }
 
 template <int D>
@@ -131,12 +141,16 @@ struct workspace {
  private:
   template <class Kernel, class Rows, class... Terms>
   void sum_with(const Kernel& k, const cells::neighbour_list& some, const Rows& rows, const Terms&... terms) const {
-    if constexpr ((takes<Terms, single> && ...))
-      if (single_pairs()) {
-        const unit<single> lengths(k.support());
-        return sum_in<D>(lengths, rows, some, {x(), frame}, Kernel(k.support() * lengths.to(-1)), terms...);
-      }
-    sum_over<D>(rows, some, {x(), frame}, k, terms...);
+    if constexpr (!(is_compiled_for<Terms, Kernel>() && ...)) {
+      throw std::logic_error("a sum is not compiled for the kernel");
+    } else {
+      if constexpr ((takes<Terms, single> && ...))
+        if (single_pairs()) {
+          const unit<single> lengths(k.support());
+          return sum_in<D>(lengths, rows, some, {x(), frame}, Kernel(k.support() * lengths.to(-1)), terms...);
+        }
+      sum_over<D>(rows, some, {x(), frame}, k, terms...);
+    }
   }
 };
 

@@ -22,6 +22,7 @@ inline constexpr schemes::field<struct response_tag> of_response;
 // m_kl of one body, of those of its wall particles that have a volume in V_w; images of a body act on it mirrored.
 template <int D>
 struct added_mass {
+  using kernels = kernels_of_water<D>;
   static constexpr std::size_t N = solids::rigid<D>::components;
   using sums = std::array<foundation::exact_sum, N * N>;  // row by row
 

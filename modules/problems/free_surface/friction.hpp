@@ -11,6 +11,7 @@ namespace tetsuame::free_surface {
 // Of those wall particles of one image of a body that have a volume in V_w.
 template <int D>
 struct friction {
+  using kernels = kernels_of_water<D>;
   static constexpr std::size_t N = solids::rigid<D>::components;
   using sums = std::array<foundation::exact_sum, N>;
 

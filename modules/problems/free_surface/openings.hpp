@@ -90,6 +90,7 @@ void fill_inflows(water<D>& f, std::int64_t first_id) {
 // particle's own, and of their pressure (Pa) with the weight of water from there.
 template <int D>
 struct upstream {
+  using kernels = kernels_of_water<D>;
   std::array<const double*, D> v;
   const double *p, *V, *rho;
   std::array<double, D> outwards;

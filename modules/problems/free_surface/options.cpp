@@ -318,7 +318,7 @@ void declare(namelist::schema& schema, options& o) {
   sources::declare(schema, {.heating = false, .temperature = false}, o.of_sources);
   run::declare(schema, o.common,
                {.single_pairs = true,
-                .kernels = {"quintic", "wendland_c2", "wendland_c4", "wendland_c6"},
+                .kernels = kernels::names_of(std::type_identity<kernels_of_water<2>>{}),
                 .diffuses = false,
                 .starts_from_file = true,
                 .settles = true,

@@ -16,6 +16,7 @@
 #include <free_surface/liquid.hpp>
 #include <free_surface/opening.hpp>
 #include <gauges/series.hpp>
+#include <kernels/kernel.hpp>
 #include <optional>
 #include <regions/region.hpp>
 #include <rigid/motion.hpp>
@@ -28,6 +29,11 @@
 #include <walls/options.hpp>
 
 namespace tetsuame::free_surface {
+
+// Those that an input may name. Sums over water are compiled for no other.
+template <int D>
+using kernels_of_water =
+    std::variant<kernels::quintic_spline<D>, kernels::wendland_c2<D>, kernels::wendland_c4<D>, kernels::wendland_c6<D>>;
 
 using point = std::array<double, 3>;  // m; z is 0 in two dimensions
 

@@ -37,6 +37,7 @@ foundation::roots<R> roots_of(const pairs::vec<R, D>& v) {
 // g.
 template <int D>
 struct smoothed_inward {
+  using kernels = kernels_of_water<D>;
   const double* V;                 // m^D
   double W0;                       // 1/m^D, W(0)
   std::array<const double*, D> G;  // 1/m
@@ -61,6 +62,7 @@ struct smoothed_inward {
 // κ, of normals n = g/|g|.
 template <int D>
 struct curvature {
+  using kernels = kernels_of_water<D>;
   const double* V;                 // m^D
   std::array<const double*, D> g;  // 1/m
   double least, most;              // 1/m: of |g|, and of |κ| what is resolved
@@ -97,6 +99,7 @@ struct curvature {
 // The force, by the mean of κ over ψ |g|.
 template <int D>
 struct tension {
+  using kernels = kernels_of_water<D>;
   const double *V, *kappa, *length;  // m^D, 1/m, 1/m (ψ |g|)
   double W0;                         // 1/m^D, W(0)
   std::array<const double*, D> G;    // 1/m, ψ G

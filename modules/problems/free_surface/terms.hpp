@@ -19,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <free_surface/eigenvalue.hpp>
+#include <free_surface/options.hpp>
 #include <pairs/pairs.hpp>
 #include <schemes/common.hpp>
 
@@ -36,6 +37,7 @@ inline constexpr struct viscous_velocity_tag : pairs::velocity_tag {
 // along them is no compression, and of all bodies in the default scheme.
 template <int D, bool two_velocities>
 struct sums_of_water {
+  using kernels = kernels_of_water<D>;
   std::array<const double*, D> v, v_viscous;  // m/s
   const double *p, *V, *rho;                  // Pa, m^D, kg/m3
   double eta, g;                              // Pa s, m/s2
@@ -99,6 +101,7 @@ struct motion : sums_of_water<D, two_velocities> {
 // Where the surface is near, Σ_j V_j ∇_i W_ij points away from it.
 template <int D>
 struct inward {
+  using kernels = kernels_of_water<D>;
   const double* V;           // m^D
   std::array<double*, D> G;  // 1/m
 
@@ -121,6 +124,7 @@ struct inward {
 // Eng. 315, 25 (2017)]:  Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij
 template <int D>
 struct arrangement {
+  using kernels = kernels_of_water<D>;
   const double* V;               // m^D
   double per_W;                  // m^D, 1/W(Δx)
   double* eigenvalue;            // λ
@@ -163,6 +167,7 @@ struct arrangement {
 // Outwards is where λ falls: -Σ_j V_j (λ_j - λ_i) ∇_i W_ij; and the smallest λ within the kernel's reach.
 template <int D>
 struct outward {
+  using kernels = kernels_of_water<D>;
   const double *V, *eigenvalue;   // m^D, λ
   std::array<double*, D> normal;  // of length 1, or 0 where there is none
   double* least;
@@ -199,6 +204,7 @@ struct outward {
 // n, or farther within h of T. A particle without such a neighbour is on the surface.
 template <int D>
 struct cone {
+  using kernels = kernels_of_water<D>;
   std::array<const double*, D> normal;
   const double* V;  // m^D
   double h;         // m
