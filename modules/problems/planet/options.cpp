@@ -293,9 +293,12 @@ void resolve(const namelist::schema& schema, options& o) {
   auto& g = o.gas;
   gas::choose_cfl(g.common.time);
   auto& time = g.common.time;
-  if (time.method != "kdk") {
+  // Raised inertia divides gravity as well, by what changes from step to step.
+  if (const bool raised = g.melting.inertia_viscosity > 0.0; raised || time.method != "kdk") {
     if (schema.given("planet", "substeps") && time.substeps != 1)
-      schema.fail("planet", "substeps", "is of the method 'kdk': the others take gravity in each of their stages");
+      schema.fail("planet", "substeps",
+                  raised ? "with inertia_viscosity gravity acts in each step: expected 1"
+                         : "is of the method 'kdk': the others take gravity in each of their stages");
     time.substeps = 1;
   }
   auto& kernel = g.common.kernel;
