@@ -369,7 +369,7 @@ class Shock(Case):
                 self.assertAlmostEqual(m["growth_rate_theory"] / m["growth_rate_sharp"], 1, delta=0.01)
                 with h5py.File(result.directory / "snapshot_0000.h5") as f:
                     p = f["PartType0"]
-                    material, mass, rho, x = (p[key][:] for key in ("Material", "Masses", "Density", "Coordinates"))
+                    material, mass, rho = (p[key][:] for key in ("Material", "Masses", "Density"))
                 metal = rho > 1e4
                 self.assertEqual(set(material[metal]) & set(material[~metal]), set())
                 self.assertAlmostEqual(mass[metal].mean() / mass[~metal].mean(), 1, delta=unequal)

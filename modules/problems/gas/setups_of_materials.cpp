@@ -11,6 +11,11 @@ namespace tetsuame::gas {
 
 namespace {
 
+// Pa: K_S = ρ c².
+double adiabatic_modulus(const eos::caloric& material, double rho, double T) {
+  return rho * std::pow(material.at(rho, material.internal_energy(rho, T)).c, 2);
+}
+
 // dp/dy = -ρ(p, T) g on either side of the contact in the middle, where p is p_l. Each material has its own temperature
 // throughout. Between the nodes linear.
 class column {
@@ -43,7 +48,7 @@ class column {
     const double T = *of.temperature;
     for (int k = 0; k <= intervals; ++k) {
       const double rho = eos::density(material, p, T);
-      nodes.push_back({rho, p, rho * std::pow(waves.at(rho, waves.internal_energy(rho, T)).c, 2)});
+      nodes.push_back({rho, p, adiabatic_modulus(waves, rho, T)});
       p += per_density * eos::density(material, p + 0.5 * per_density * rho, T);
     }
   }
@@ -137,8 +142,7 @@ setup shear(const options& o) {
     return state{own.rho, own.p, {own.u, s.perturbation * std::sin(k * x[0]), 0.0}, inside(x[1]) ? 1 : 0};
   };
   const auto modulus = [](const side_options& of) {
-    const eos::caloric material(eos_of(of));
-    return of.rho * std::pow(material.at(of.rho, material.internal_energy(of.rho, *of.temperature)).c, 2);
+    return adiabatic_modulus(eos::caloric(eos_of(of)), of.rho, *of.temperature);
   };
   const exact::layer_state in{s.l.rho, s.l.u, modulus(s.l)}, out{s.r.rho, s.r.u, modulus(s.r)};
   const exact::layered_flow layers{[=](double y) { return inside(y) ? in : out; },
