@@ -53,5 +53,5 @@ _tetsuame_run() {
   fi
 }
 
-complete -F _tetsuame_program -o filenames disph_{a,b,c,d,e,f,f2,y,n} ssph rti drop conduction convection shock planet flow balance
+complete -F _tetsuame_program -o filenames disph_{a,b,c,d,e,f,f2,y,n} ssph rti drop conduction convection shock planet granular flow balance
 complete -F _tetsuame_run -o filenames run ./run tetsuame

@@ -40,7 +40,7 @@ double options::lattice_particles() const {
 }
 
 void declare(namelist::schema& schema, const demands& of_problem, options& o) {
-  schema.group("domain", "the box and the start lattice");
+  schema.group("domain", of_problem.lattice ? "the box and the start lattice" : "the box");
   schema.add("domain", "dimension", o.dimension,
              namelist::between(static_cast<double>(of_problem.least_dimension), 3,
                                of_problem.least_dimension == 1 ? "of space" : "of space; y is up"));
@@ -52,9 +52,10 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o) {
                 .minimum = 0.0,
                 .exclusive_minimum = !follows,
                 .meaning = "edge of the box along " + axis + only});
-    schema.add("domain", "particles_" + axis, o.particles[a],
-               namelist::between(follows ? 0.0 : static_cast<double>(of_problem.least_particles), 1e9,
-                                 "fluid particles along " + axis + (follows ? "; 0: with the spacing of x" : only)));
+    if (of_problem.lattice)
+      schema.add("domain", "particles_" + axis, o.particles[a],
+                 namelist::between(follows ? 0.0 : static_cast<double>(of_problem.least_particles), 1e9,
+                                   "fluid particles along " + axis + (follows ? "; 0: with the spacing of x" : only)));
     schema.add("domain", "periodic_" + axis, o.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls" + (follows ? "" : only)});
     if (of_problem.may_be_open)
@@ -65,7 +66,7 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o) {
   schema.add("domain", "ranks_x", o.ranks_x.number,
              namelist::changing(namelist::between(
                  0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests")));
-  if (of_problem.jitters)
+  if (of_problem.lattice && of_problem.jitters)
     schema.add(
         "domain", "jitter", o.jitter,
         namelist::between(0.0, 0.3, "particles start off the lattice, by up to so many spacings along each axis"));
@@ -78,6 +79,7 @@ void resolve(const namelist::schema& schema, const demands& of_problem, options&
   for (std::size_t a = 0; a < o.axes(); ++a)
     if (o.open[a] && o.periodic[a])
       schema.fail("domain", along("open_", a), "sides that are one, as a periodic box has them, cannot be open");
+  if (!of_problem.lattice) return;
   const double dx = o.dx();
   for (std::size_t a = 1; a < o.axes(); ++a) {
     if (of_problem.follows_x) follow_x(schema, o, a);

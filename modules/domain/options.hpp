@@ -33,6 +33,7 @@ struct demands {
   std::int64_t least_dimension = 2, least_particles = 1;  // along an axis
   std::string walls_below_and_above = "";                 // why there are walls; empty: y may be periodic
   bool follows_x = false;    // along y and z, 0 is allowed: as long as along x, and with its spacing
+  bool lattice = true;       // particles start on one that fills the box
   bool jitters = true;       // the start lattice can be disturbed
   bool may_be_open = false;  // particles can do without anything at the sides
 };

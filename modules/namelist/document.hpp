@@ -24,8 +24,8 @@ inline constexpr std::size_t maximum_name = 63;                     // as in For
 
 // Groups that may stand several times in one input, unlike others: what a further one gives of its lists goes behind
 // the elements that those before it gave. Where such a group has no lists, it stands once (schema.cpp).
-inline constexpr std::array<std::string_view, 5> repeated_groups{"region", "material", "inflow", "outflow",
-                                                                 "layer"};
+inline constexpr std::array<std::string_view, 8> repeated_groups{"region", "material", "inflow",  "outflow",
+                                                                 "layer",  "grain",    "packing", "pair"};
 
 struct value {
   enum class kind {

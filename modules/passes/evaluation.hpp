@@ -192,9 +192,9 @@ class evaluation {
   double* rate(std::size_t k) const { return rates_[k]; }
   std::span<double* const> rates() const { return rates_; }
   // Where rates are kept: the last one of a velocity, m/s², of the owned particles.
-  const field& kept_acceleration(std::size_t axis) const {
-    return *states_[place_of(box_.w.s.v[axis])].about.previous_rate;
-  }
+  const field& kept_acceleration(std::size_t axis) const { return kept_rate(box_.w.s.v[axis]); }
+  const field& kept_rate(const field& of) const { return kept_field(of); }
+  field& kept_field(const field& of) const { return *states_[place_of(of)].about.previous_rate; }
 
   // Collective. Faults go to the workspace, those of earlier passes first.
   void run(std::span<double* const> rates) {

@@ -300,6 +300,9 @@ std::string program_of_group(const std::string& group) {
                                                         {"flow", "flow"},
                                                         {"planet", "planet"},
                                                         {"layer", "planet"},
+                                                        {"granular", "granular"},
+                                                        {"grain", "granular"},
+                                                        {"packing", "granular"},
                                                         {"machine", "balance"},
                                                         {"distribution", "balance"}};
   const auto found = of.find(group);

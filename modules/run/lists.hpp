@@ -25,6 +25,7 @@ struct state {
   double state_time = 0.0, list_time = 0.0;  // s, of the state in the arrays; of that from which the lists were made
   double next_dt = 0.0;                      // s, of the step ahead; 0: not known
   double list_lifetime = 0.0;                // s, of lists for an expected motion (run/list_motion.hpp); 0: no such
+  std::vector<particles::partners*> partners{};  // whose rows follow the owned fluid; not owned
 
   bool mirrors() const { return std::holds_alternative<walls::mirror>(treatment); }
   // The axes along which all that particles meet moves with them: nothing stands there.
@@ -172,12 +173,13 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
     exchange_list_positions(s);
   else
     domain::wrap(w.d.region, s);
-  domain::migrate(w.d, s);
+  domain::migrate(w.d, s, box.partners);
   const list_lengths l = lengths();
   {
     cells::indices order = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge).members;
     order_in_layers(w, l.reach, box.walls.bodies.any(), order);
     particles::reorder(s, 0, std::span<const std::uint32_t>(order));
+    for (auto* rows : box.partners) rows->reorder(order);
   }
   if (!as_they_were) {
     foundation::for_all(s.fluid, [&](std::size_t i) {

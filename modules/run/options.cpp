@@ -12,13 +12,15 @@ namespace {
 
 void declare(namelist::schema& schema, kernel_options& o, const abilities& of_problem) {
   std::vector<std::string> names = of_problem.kernels;
-  schema.group("kernel", "smoothing kernel and neighbour lists");
+  schema.group("kernel", of_problem.has_kernel ? "smoothing kernel and neighbour lists" : "neighbour lists");
   if (names.empty())
     for (const auto& k : kernels::table) names.emplace_back(k.name);
-  schema.add("kernel", "name", o.name, {.choices = names, .meaning = "of the kernel"});
-  schema.add(
-      "kernel", "h_over_dx", o.h_over_dx,
-      {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
+  if (of_problem.has_kernel) {
+    schema.add("kernel", "name", o.name, {.choices = names, .meaning = "of the kernel"});
+    schema.add(
+        "kernel", "h_over_dx", o.h_over_dx,
+        {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
+  }
   if (of_problem.single_pairs)
     schema.add(
         "kernel", "precision", o.precision,
@@ -100,6 +102,7 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
   if (of_problem.diffuses) methods.insert(methods.end(), {"rkl2", "rkc2"});
   methods.emplace_back("adaptive");
   methods.insert(methods.end(), of_problem.keeping.begin(), of_problem.keeping.end());
+  if (!of_problem.methods.empty()) methods = of_problem.methods;
   const bool has_kdk = std::ranges::count(methods, "kdk") > 0;
   const std::string stabilised = of_problem.diffuses ? "; rkl2, rkc2: stabilised for diffusion" : "";
   schema.add(
@@ -142,7 +145,7 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
              {.minimum = 1e-9,
               .stays_open = !o.cfl,
               .may_change = true,
-              .meaning = "largest dt c/dx; not given: by the method"});
+              .meaning = of_problem.cfl_is});
   if (of_problem.limits_diffusion)
     schema.add("time", "diffusive", o.diffusive,
                {.minimum = 1e-9,

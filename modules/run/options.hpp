@@ -92,9 +92,12 @@ struct abilities {
   bool single_pairs = false;              // its sums can be computed in single precision
   bool lists_change = true;               // particles move: a skin is worth choosing
   std::vector<std::string> keeping = {};  // of 'ab2', 'kdk': those for which it keeps the rates of the step before
+  std::vector<std::string> methods = {};  // of time integration, the only ones it can; none: all, and `keeping`
+  bool has_kernel = true;                 // its particles interact by one
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool limits_diffusion = true;           // viscosity or conduction limits its steps
+  std::string cfl_is = "largest dt c/dx; not given: by the method";
   bool starts_from_file = false;          // a snapshot says enough of its particles
   bool settles = false;                   // a start at rest may come nearer to balance before the run
   std::string reads = "places, velocities, temperatures, densities and masses";  // of that snapshot

@@ -81,6 +81,7 @@ class particle_simulation : public simulation {
     }
     restore_globals(saved->globals);
     read_particles(saved->tables.at("fluid"));
+    read_further_tables(*saved);
     check_state();
     rebuild(true);
     set_time(saved->globals.reals.at("time"));
@@ -238,9 +239,11 @@ class particle_simulation : public simulation {
     r.state_hash = hash();
   }
 
-  output::table_view save(output::checkpoint_globals& g, std::vector<std::int64_t>& materials) final {
+  std::vector<output::table_view> save(output::checkpoint_globals& g, std::vector<std::int64_t>& materials) final {
     save_globals(g);
-    return checkpoint_table(box.w.s, materials);
+    std::vector<output::table_view> all{checkpoint_table(box.w.s, materials)};
+    for (auto& t : further_tables()) all.push_back(std::move(t));
+    return all;
   }
 
   // ---- what a problem says ----------------------------------------------------------------
@@ -379,11 +382,15 @@ class particle_simulation : public simulation {
   std::string hash() {
     std::vector<std::int64_t> materials;
     const auto t = checkpoint_table(box.w.s, materials);
-    output::particle_group g{0, t.n, t.ids, {}};
-    for (const auto& [name, values] : t.reals) g.columns.push_back({name, "", "", {values}, false});
-    return output::state_hash(ranks.comm, {g});
+    std::vector<output::particle_group> groups{group_of_hash(0, t)};
+    for (const auto& further : further_tables())
+      groups.push_back(group_of_hash(static_cast<int>(groups.size()), further));
+    return output::state_hash(ranks.comm, groups);
   }
   virtual void read_particles(const output::table& t) { fluid_from_checkpoint(t, box.w.s); }
+  // Collective. What a checkpoint, and the hash, have beside the particles; and back, once these are read.
+  virtual std::vector<output::table_view> further_tables() { return {}; }
+  virtual void read_further_tables(const output::checkpoint&) {}
   virtual void save_globals(output::checkpoint_globals& g) const {
     g.integers["particles_put_back"] = ranks.sum(put_back_);
     g.integers["fluid_total"] = box.fluid_total;
@@ -530,6 +537,12 @@ class particle_simulation : public simulation {
     return {flow.length(), way.length()};
   }
 
+  static output::particle_group group_of_hash(int type, const output::table_view& t) {
+    output::particle_group g{type, t.n, t.ids, {}};
+    for (const auto& [name, values] : t.reals) g.columns.push_back({name, "", "", {values}, false});
+    return g;
+  }
+
   void report_state() {
     const auto all = fields();
     std::vector<const double*> values;
@@ -548,7 +561,7 @@ class particle_simulation : public simulation {
     const auto cuts = balancer.even_out(box, by_pairs);
     if (!cuts) return false;
     move_cuts(*cuts);
-    if (!by_pairs) domain::migrate(box.w.d, box.w.s);
+    if (!by_pairs) domain::migrate(box.w.d, box.w.s, box.partners);
     return true;
   }
 

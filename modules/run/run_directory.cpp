@@ -277,7 +277,7 @@ void run_directory::keep_good(const std::string& checkpoint) {
 }
 
 void run_directory::write_checkpoint(std::int64_t step, const integrators::explicit_integrator& integrator,
-                                     output::checkpoint_globals g, const output::table_view& fluid) {
+                                     output::checkpoint_globals g, const std::vector<output::table_view>& tables) {
   save(integrator.save(), g);
   g.reals["stepping_seconds"] = stepping_seconds;
   g.integers["step"] = step;
@@ -292,7 +292,7 @@ void run_directory::write_checkpoint(std::int64_t step, const integrators::expli
     g.integers["bytes of " + name] = mark.bytes;
     g.texts["sum of " + name] = mark.sum;
   }
-  keep_good(output::write_checkpoint(ranks.comm, line.output, step, g, {fluid}));
+  keep_good(output::write_checkpoint(ranks.comm, line.output, step, g, tables));
   checkpointed_ = {};
   say(fmt::format("checkpoint {} at step {}", good_checkpoint_, step));
 }

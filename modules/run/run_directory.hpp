@@ -79,7 +79,7 @@ struct run_directory {
 
   // Adds to what the run has put into g what all have, the integrator's memory among it.
   void write_checkpoint(std::int64_t step, const integrators::explicit_integrator& integrator,
-                        output::checkpoint_globals g, const output::table_view& fluid);
+                        output::checkpoint_globals g, const std::vector<output::table_view>& tables);
   // The counterpart, for what is not particles: the integrator's memory and the files as they were at that step, which
   // is returned. interval: s, as above, which may be another now.
   std::int64_t continue_from(const output::latest_checkpoint& saved, integrators::explicit_integrator& integrator,

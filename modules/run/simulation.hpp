@@ -211,8 +211,8 @@ class simulation {
   // sums; empty: nothing.
   virtual std::string refine(double /*time*/) { return {}; }
   virtual void report(const ending&, summary&) = 0;
-  // The table's values stay as they are until the next call; `integers` holds those that are made for it.
-  virtual output::table_view save(output::checkpoint_globals&, std::vector<std::int64_t>& integers) = 0;
+  // The tables' values stay as they are until the next call; `integers` holds those that are made for the first one.
+  virtual std::vector<output::table_view> save(output::checkpoint_globals&, std::vector<std::int64_t>& integers) = 0;
 };
 
 // The time loop. Collective. Carries the simulation from its start, or from a checkpoint, to the end, and leaves the

@@ -336,7 +336,7 @@ struct loop {
     const foundation::stage timed(p.times, "output");
     output::checkpoint_globals g;
     std::vector<std::int64_t> integers;
-    const auto table = p.save(g, integers);
+    const auto tables = p.save(g, integers);
     g.reals["fixed_dt"] = dt;
     g.reals["bound_dt"] = bound.dt;
     g.texts["bound_is"] = bound.name;
@@ -345,7 +345,7 @@ struct loop {
     g.integers["coarser_evaluations"] = coarser_evaluations;
     g.integers["line_step"] = line_step;
     g.integers["snapshot_step"] = snapshot_step;
-    files.write_checkpoint(step, *integrator, std::move(g), table);
+    files.write_checkpoint(step, *integrator, std::move(g), tables);
     checkpoint_step = step;
   }
 

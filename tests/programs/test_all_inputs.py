@@ -9,11 +9,11 @@ import unittest
 
 from running import ALL, BAD_INPUT, CALCULATION_FAILED, COMPLETED, INPUTS, SLOW, Case
 
-PROGRAMS = [*ALL, "disph_f2", "disph_n", "disph_y", "ssph", "rti", "drop", "conduction", "convection", "flow", "shock", "planet"]
+PROGRAMS = [*ALL, "disph_f2", "disph_n", "disph_y", "ssph", "rti", "drop", "conduction", "convection", "flow", "shock", "planet", "granular"]
 MOST = {True: 10, False: 24}  # particles along an axis, in three dimensions and in fewer
 STEPS = 100 if SLOW else 3
 OF_LIQUIDS = ("a liquid's", "rti", "drop")  # whose inputs all programs for liquids read
-NOT_LIQUIDS = ("conduction", "convection", "flow", "shock", "planet")
+NOT_LIQUIDS = ("conduction", "convection", "flow", "shock", "planet", "granular")
 
 # How a calculation is known to fail: programs, inputs, message. The plain iteration of A and B cannot converge for a liquid,
 # nor Newton's method where there is no state with p > 0 (docs/theory/hosono_iteration.md). B and D have nothing behind their

@@ -71,8 +71,8 @@ class rod : public run::simulation {
     output::particle_group g{0, ids_.size(), ids_.data(), {{"Temperature", "", "", {T_.data() + 1}}}, 1};
     if (end.failed == nullptr) r.state_hash = output::state_hash(ranks.comm, {g});
   }
-  output::table_view save(output::checkpoint_globals&, std::vector<std::int64_t>&) override {
-    return {"rod", ids_.size(), ids_.data(), {{"Temperature", T_.data() + 1}}, {}};
+  std::vector<output::table_view> save(output::checkpoint_globals&, std::vector<std::int64_t>&) override {
+    return {{"rod", ids_.size(), ids_.data(), {{"Temperature", T_.data() + 1}}, {}}};
   }
 
  private:

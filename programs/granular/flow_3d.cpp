@@ -1,0 +1,7 @@
+#include <granular/granular.hpp>
+#include <granular/make.hpp>
+#include <run/passes.hpp>
+
+std::unique_ptr<tetsuame::run::simulation> tetsuame::granular::make_3d(const options& o) {
+  return std::make_unique<problem<3>>(o);
+}

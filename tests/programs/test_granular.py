@@ -1,0 +1,206 @@
+"""Grains: impacts beside Hertz, Coulomb and an integration of their own, energy, sizes, ranks, restarts, gates, wrong input."""
+
+import math
+import unittest
+
+from running import BAD_INPUT, SLOW, Case
+
+BED = """&domain dimension = 3  length_x = 0.012  length_y = 0.02  length_z = 0.012  periodic_x = T  periodic_z = T /
+&granular rolling = 'spring' /
+&gravity incline = 24 /
+&material name = 'a'  density = 2500  young_modulus = 1e7  restitution = 0.6  friction = 0.5  rolling_friction = 0.1 /
+&material name = 'b'  density = 3500  young_modulus = 3e7  restitution = 0.8  friction = 0.3  rolling_friction = 0.2 /
+&walls top = 'open' /
+&packing radius = 0.0003  radius_max = 0.0005  high_y = 0.005  jitter = 1  random_velocity = 0.3 /
+&packing radius = 0.0005  low_y = 0.005  high_y = 0.008  jitter = 1  material = 'b'  random_velocity = 0.3 /
+&time t_end = 1 /
+"""
+
+
+def oblique(E, nu, rho, R, e, mu, v_t, v_n, spin, rigid, steps=40000):
+    """(v_t, spin) of a sphere after it has met a plane, by small steps of semi-implicit Euler: Hertz's spring with Tsuji's dashpot, Mindlin's spring whose
+    force shrinks with the radius of the contact. The plane is rigid, or of the same material."""
+    m, G = 4.0 / 3.0 * math.pi * R**3 * rho, E / (2.0 * (1.0 + nu))
+    E_star, G_star = E / (1.0 - nu * nu), G / (2.0 - nu)
+    if not rigid:
+        E_star, G_star = 0.5 * E_star, 0.5 * G_star
+    k = 4.0 / 3.0 * E_star * math.sqrt(R)
+    # Damping by bisection of the restitution that comes out, with the force cut at 0.
+    def rebound(alpha):
+        y, v, dt = 0.0, 1.0, 1e-3
+        while True:
+            F = y**1.5 + alpha * y**0.25 * v if y > 0 else 0.0
+            if y > 0.0 and F <= 0.0:
+                return -v
+            v -= dt * F
+            y += dt * v
+            if y < 0.0:
+                return -v
+    low, high = 0.0, 10.0
+    for _ in range(40 if e < 1.0 else 0):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if rebound(middle) > e else (low, middle)
+    alpha = 0.0 if e >= 1.0 else 0.5 * (low + high)
+    delta_max = (1.25 * m * v_n * v_n / k) ** 0.4
+    dt = 6.0 * delta_max / v_n / steps
+    x, v, u, w, Q, a_before, I = 0.0, v_n, v_t, spin, 0.0, 0.0, 0.4 * m * R * R  # overlap, its rate; along the plane, counterclockwise
+    for _ in range(steps):
+        x += dt * v
+        if x <= 0.0:
+            break
+        F = max(0.0, k * x**1.5 + alpha * math.sqrt(m * k) * x**0.25 * v)
+        a = math.sqrt(R * x)
+        slip = u + (R - x) * w
+        if a < a_before:
+            Q *= a / a_before
+        a_before = a
+        Q -= 8.0 * G_star * a * dt * slip
+        if abs(Q) > mu * F:
+            Q = math.copysign(mu * F, Q)
+            T = Q
+        else:
+            T = Q - alpha * math.sqrt(m * 8.0 * G_star * a) * slip
+            T = math.copysign(min(abs(T), mu * F), T)
+        v -= dt * F / m
+        u += dt * T / m
+        w += dt * (R - x) * T / I
+        if F == 0.0 and v < 0.0:
+            break
+    return u, w
+
+
+class Granular(Case):
+    def metrics(self, name, settings=None, label=None):
+        return self.run_program("granular", name, {"output.history_interval": 1000, **(settings or {})}, label or name).summary["metrics"]
+
+    def near(self, value, expected, part):
+        self.assertLessEqual(abs(value - expected), part * abs(expected), f"{value} for {expected}")
+
+    def test_head_on(self):
+        """Chung & Ooi 1 and 2: Hertz's overlap, force and time."""
+        limestone = {"material.young_modulus": 2e10, "material.poisson_ratio": 0.25, "material.density": 2500}
+        magnesium = {"material.young_modulus": "4e10,1e30", "material.poisson_ratio": "0.35,0.3", "material.density": "1800,1"}
+        for name, settings, values in [("collision_1", {}, (274.113e-6, 10696.9, 40.339e-6)), ("collision_1", limestone, (368.304e-6, 7108.24, 54.201e-6)),
+                                       ("collision_2", {}, (49.7172e-6, 11369.9, 731.657e-6)), ("collision_2", magnesium, (52.1233e-6, 7232.68, 767.066e-6))]:
+            with self.subTest(name, **settings):
+                m = self.metrics(name, settings, f"{name}_{len(settings)}")
+                for key, expected in zip(("delta_max", "force_max", "contact_time"), values):
+                    self.near(m[key], expected, 1e-4)
+                self.near(m["restitution_normal"], 1.0, 1e-5)
+
+    def test_restitution(self):
+        """What comes out is what goes in, at any speed, for both kinds of contact."""
+        for e in (0.1, 0.4, 0.75, 0.95):
+            for v in (0.039, 3.9):
+                m = self.metrics("collision_3", {"material.restitution": e, "grain.velocity_y": -v, "time.t_end": 2e-5 if v > 1 else 6e-5}, f"hertz_{e}_{v}")
+                self.near(m["restitution_normal"], e, 1e-3)
+            path = self.here / "hooke.nml"
+            path.write_text(f"""&domain length_x = 0.02  length_y = 0.02 /
+&gravity g = 0 /
+&granular contact = 'hooke'  stiffness = 1e4 /
+&material density = 2500  restitution = {e} /
+&grain radius = 0.001  x = 0.01  y = 0.001  velocity_y = -0.5 /
+&time cfl = 0.002  t_end = 1e-3 /
+""")
+            m = self.run_program("granular", path, {}, f"hooke_{e}").summary["metrics"]
+            # A dashpot that acts from the first touch on is caught in the middle of a step: of first order.
+            self.near(m["restitution_normal"], e, 1e-3 if e > 0.1 else 4e-3)
+
+    def test_sliding(self):
+        """Chung & Ooi 4 and 6: a sphere that slides to the end."""
+        for angle, e_t, spin in [(50, 0.84715, 456.65), (60, 0.89483, 355.21)]:
+            m = self.metrics("collision_4", {"grain.velocity_x": 3.9 * math.sin(math.radians(angle)), "grain.velocity_y": -3.9 * math.cos(math.radians(angle))},
+                             f"angle_{angle}")
+            self.near(m["restitution_tangential"], e_t, 1e-3)
+            self.near(m["spin"], spin, 5e-3)
+        m = self.metrics("collision_6", {"grain.spin_z": 22}, "spin")
+        self.near(22 - m["spin_z"], 3.0, 1e-3)
+
+    def test_sticking(self):
+        """Chung & Ooi 5 and 6, where the contact sticks for a part of the time, beside an integration of their own."""
+        for v_t in (0.3, 1.0, 5.0, 15.0):
+            m = self.metrics("collision_5", {"grain.velocity_x": v_t}, f"steel_{v_t}")
+            u, w = oblique(2.08e11, 0.3, 7850, 1e-5, 1.0, 0.3, v_t, 5.0, 0.0, rigid=False)
+            self.assertLess(abs(m["velocity_x"] - u), 3e-3 * v_t)
+            self.near(m["spin_z"], w, 1e-2)
+        for spin in (0.5, 2.0, 7.0):
+            m = self.metrics("collision_6", {"grain.spin_z": spin}, f"turning_{spin}")
+            u, w = oblique(7e10, 0.33, 2700, 0.1, 0.5, 0.4, 0.0, 0.2, spin, rigid=True)
+            self.near(m["velocity_x"], u, 1e-2)
+            self.assertLess(abs(m["spin_z"] - w), 5e-3 * spin)
+
+    def test_two_spheres(self):
+        """Chung & Ooi 7 and 8: momentum and angular momentum are kept; the relative motion is that of one sphere on its mirror image."""
+        m = self.metrics("collision_8", {"time.t_end": 1.5e-3})
+        self.near(m["restitution_normal"], 0.5, 1e-3)
+        slides = self.metrics("collision_7", {"grain.spin_z": "22,22"}, "slides")
+        # Each loses 5/2 mu (1 + e) v/R.
+        self.near(22 - slides["spin_z"], 2.5 * 0.4 * 1.5 * 0.2 / 0.1, 1e-3)
+        self.near(abs(slides["velocity_y"]), 0.4 * 1.5 * 0.2, 1e-3)
+
+    def test_ranks_and_restart(self):
+        """Sizes, two materials, a periodic slope: the same bits on any ranks and threads, over an interruption that other ranks go on from."""
+        path = self.here / "bed.nml"
+        path.write_text(BED)
+        whole = self.assert_exact("granular", path, {"time.steps": 2500}, 1300, [(2, 1), (3, 2)])
+        self.assertGreater(whole["metrics"]["contacts"], 100)
+
+    def test_energy_is_not_created(self):
+        """Grains that fall into a box: the sum of all energies never rises by more than the steps' error, and the bed comes to rest."""
+        path = self.here / "fall.nml"
+        path.write_text("""&domain length_x = 0.02  length_y = 0.02 /
+&material name = 'a'  density = 2500  young_modulus = 1e6  restitution = 0.5  friction = 0.4  rolling_friction = 0.05 /
+&granular rolling = 'spring' /
+&packing radius = 0.0005  high_y = 0.01  spacing = 1.1  jitter = 1  random_velocity = 0.1 /
+&time t_end = 0.6 /
+&output history_interval = 20 /
+""")
+        result = self.run_program("granular", path, {"time.steps": 1000000} if SLOW else {}, "fall")
+        names, rows = result.rows()
+        names = [name.split(" ")[0] for name in names]
+        energy = [sum(float(row[names.index(f"{kind}_energy")]) for kind in ("kinetic", "rotational", "potential", "elastic")) for row in rows]
+        lost = energy[0] - energy[-1]
+        self.assertGreater(lost, 0.0)
+        self.assertLess(max(b - a for a, b in zip(energy, energy[1:])), 1e-4 * lost)
+        kinetic = [float(row[names.index("kinetic_energy")]) for row in rows]
+        self.assertLess(kinetic[-1], 1e-6 * max(kinetic))
+
+    def test_column(self):
+        """A small column: it is let down, the gate opens, all comes to rest; nothing is lost, and rough grains stay nearer."""
+        small = {"packing.high_x": 0.01, "packing.high_y": 0.015, "solids.centre_x": 0.0105, "domain.length_x": 0.04, "domain.length_y": 0.02, "gate.velocity_y": 0.3,
+                 "granular.stiffness": 20, "granular.rest_speed": 5e-3, "output.interval": 0}
+        ends = []
+        for mu in (0.05, 0.5):
+            m = self.metrics("column_2d", {**small, "material.friction": f"{mu},{mu}", "pair.friction": mu, "material.rolling_friction": f"{mu},{mu}",
+                                           "output.history_interval": 100}, f"mu_{mu}")
+            self.assertEqual(m["particles_lost"], 0)
+            self.assertGreater(m["gate_opened"], 0.0)
+            ends.append(m)
+        slippery, rough = ends
+        self.assertGreater(slippery["run_out"], rough["run_out"] + 0.002)
+        self.assertGreater(rough["repose_angle"], max(5.0, slippery["repose_angle"] or 0.0))
+
+    def test_refusals(self):
+        grain = "&domain length_x = 1 length_y = 1 /\n&material density = 2500 young_modulus = 1e7 /\n"
+        for text, said in [("&grain radius = 0.1 x = 0.5 y = 0.05 /", "grain 0 overlaps a wall"),
+                           ("&grain radius = 2*0.1 x = 0.5, 0.55 y = 2*0.5 /", "grain 0 overlaps grain 1"),
+                           ("&grain radius = 0.1 x = 1.5 y = 0.5 /", "grain 0 overlaps a wall"),
+                           ("&grain radius = 0.1 x = 0.5 y = 0.5 /\n&time dt = 1 /", "expected at most"),
+                           ("&grain radius = 0.1 x = 0.5 y = 0.5 /\n&granular contact = 'hooke' /", "needs the stiffness"),
+                           ("&grain radius = 0.1 x = 0.5 y = 0.5 material = 'tin' /", "there is no material 'tin'"),
+                           ("&grain x = 0.5 y = 0.5 /", "must be given of grain 1"),
+                           ("&grain radius = 0.1 x = 0.5 y = 0.5 /\n&solids body = 'ball' shape = 'sphere' radius = 0.3 centre_x = 0.5 centre_y = 0.5 /",
+                            "is inside of body 'ball'"),
+                           ("&grain radius = 0.1 x = 0.5 y = 0.5 /\n&gate body = 'door' /", "there is no body 'door'"),
+                           ("", "there are no grains")]:
+            with self.subTest(said):
+                path = self.here / "wrong.nml"
+                path.write_text(grain + text + "\n")
+                result = self.call("granular", path, "--output", self.here / "wrong")
+                self.assertEqual(result.status, BAD_INPUT, result)
+                self.assertIn(said, result.stderr)
+                self.assertFalse((self.here / "wrong").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
