@@ -98,11 +98,12 @@ contact_force<D> force_of(const contact_rules& rules, const pair_constants& c, c
                           contact_memory<D>& memory) {
   contact_force<D> f;
   const bool hertz = rules.model == contact_model::hertz_mindlin;
-  const double root = hertz ? std::sqrt(e.R * e.overlap) : 1.0;               // m, a
-  const double k = hertz ? 4.0 / 3.0 * c.normal * std::sqrt(e.R) : c.normal;  // N/m^(3/2), or N/m
-  const double stiff = hertz ? k * std::sqrt(e.overlap) : k;                  // N/m, F/δ
-  const double k_t = hertz ? 8.0 * c.tangential * root : c.tangential;        // N/m
-  f.normal = std::fmax(0.0, stiff * e.overlap + c.damping * std::sqrt(e.m * stiff) * e.approach);
+  // m, a; N/m, F/δ and that of the tangential spring. √(m k_t) is √(m F/δ) times a number of the materials.
+  const double root = hertz ? std::sqrt(e.R * e.overlap) : 1.0;
+  const double stiff = hertz ? 4.0 / 3.0 * c.normal * root : c.normal;
+  const double k_t = hertz ? 8.0 * c.tangential * root : c.tangential;
+  const double dashpot = c.damping * std::sqrt(e.m * stiff);  // kg/s
+  f.normal = std::fmax(0.0, stiff * e.overlap + dashpot * e.approach);
   f.elastic = (hertz ? 0.4 : 0.5) * stiff * e.overlap * e.overlap;
 
   // The spring's force as the contact now lies, with the size that it had.
@@ -120,7 +121,7 @@ contact_force<D> force_of(const contact_rules& rules, const pair_constants& c, c
     Q = (limit / std::sqrt(size2)) * Q;
     f.tangential = Q;
   } else {
-    f.tangential = Q - (c.damping * std::sqrt(e.m * k_t)) * e.slip;
+    f.tangential = Q - (dashpot * c.tangential_root) * e.slip;
     const double all2 = square<D>(f.tangential);
     if (all2 > limit * limit) f.tangential = (limit / std::sqrt(all2)) * f.tangential;
   }

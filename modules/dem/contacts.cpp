@@ -7,14 +7,14 @@ namespace tetsuame::dem {
 
 template <int D>
 void contacts<D>::remember(const particles::particles<D>& s, const particles::partners& history) {
-  memory_.assign(pairs() * memory::size, 0.0);
-  foundation::for_all(pairs(), [&](std::size_t p) {
+  kept_.slot.assign(pairs(), none);
+  kept_.memory.clear();
+  for (std::size_t p = 0; p < pairs(); ++p) {
     const auto known = history.find(first_[p], partner_id(s, p));
-    std::copy(known.begin(), known.end(), memory_.begin() + static_cast<std::ptrdiff_t>(p * memory::size));
-  });
-  next_ = memory_;
-  result_.assign(pairs() * result_size(), 0.0);
-  touching_.assign(pairs(), 0);
+    if (known.empty()) continue;
+    kept_.slot[p] = static_cast<std::uint32_t>(kept_.memory.size() / memory::size);
+    kept_.memory.insert(kept_.memory.end(), known.begin(), known.end());
+  }
 }
 
 template <int D>
@@ -22,8 +22,8 @@ void contacts<D>::keep(const particles::particles<D>& s, particles::partners& hi
   history.reset({s.id.data(), s.fluid});
   history.begin();
   for (std::size_t p = 0; p < pairs(); ++p) {
-    const auto m = memory::read(memory_.data() + p * memory::size);
-    if (!(m.a > 0.0)) continue;
+    if (kept_.slot[p] == none) continue;
+    const auto m = memory::read(kept_.memory.data() + kept_.slot[p] * memory::size);
     m.write(history.insert(first_[p], partner_id(s, p)).data());
     if (p < grain_pairs_ && second_[p] < s.fluid)
       m.reversed().write(history.insert(second_[p], s.id[first_[p]]).data());
@@ -34,14 +34,18 @@ void contacts<D>::keep(const particles::particles<D>& s, particles::partners& hi
 template <int D>
 contact_measures contacts<D>::evaluate(const grain_fields<D>& f, double t, double dt, bool tells) {
   pack(f, 0.5 * dt);
-  told_.assign(tells ? pairs() : 0, {});
+  find_touching(t);
+  const std::size_t n = touching_pairs_.size();
+  now_.memory.resize(n * memory::size);
+  result_.resize(n * result_size());
+  told_.assign(tells ? n : 0, {});
   contact_measures all;
-  const std::size_t n = pairs();
 #pragma omp parallel if (n > foundation::rows_worth_threads)
   {
     contact_measures mine;
 #pragma omp for schedule(static)
-    for (std::size_t p = 0; p < n; ++p) p < grain_pairs_ ? meet_grain(p, dt, mine) : meet_wall(p, t, dt, mine);
+    for (std::size_t c = 0; c < n; ++c)
+      touching_pairs_[c] < grain_pairs_ ? meet_grain(c, dt, mine) : meet_wall(c, t, dt, mine);
 #pragma omp critical(dem_contacts)
     all.include(mine);
   }
@@ -50,18 +54,58 @@ contact_measures contacts<D>::evaluate(const grain_fields<D>& f, double t, doubl
 }
 
 template <int D>
+bool contacts<D>::touches(std::size_t p, double t) {
+  const auto& i = places_[first_[p]];
+  if (p < grain_pairs_) {
+    const double sum = i.R + places_[second_[p]].R;
+    return square<D>(apart(p)) < sum * sum;
+  }
+  auto& wall = wall_places_[p - grain_pairs_];
+  wall = walls_.at(second_[p], i.x, t, i.R);
+  return wall.found && wall.distance < i.R;
+}
+
+// Contacts stand in the order of the pairs, whoever finds them.
+template <int D>
+void contacts<D>::find_touching(double t) {
+  const std::size_t n = pairs();
+  now_.slot.resize(n);
+  wall_places_.resize(n - grain_pairs_);
+  touching_pairs_.resize(n);
+  constexpr std::size_t part = 4096;
+  const std::size_t parts = (n + part - 1) / part;
+  std::vector<std::size_t> found(parts);
+#pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
+  for (std::size_t k = 0; k < parts; ++k) {
+    std::uint32_t* to = touching_pairs_.data() + k * part;
+    for (std::size_t p = k * part; p < std::min(n, (k + 1) * part); ++p) {
+      const bool here = touches(p, t);
+      *to = static_cast<std::uint32_t>(p);
+      to += here ? 1 : 0;
+      now_.slot[p] = none;
+    }
+    found[k] = static_cast<std::size_t>(to - touching_pairs_.data()) - k * part;
+  }
+  std::size_t all = 0;
+  for (std::size_t k = 0; k < parts; ++k) {
+    std::copy_n(touching_pairs_.begin() + static_cast<std::ptrdiff_t>(k * part), found[k],
+                touching_pairs_.begin() + static_cast<std::ptrdiff_t>(all));
+    all += found[k];
+  }
+  touching_pairs_.resize(all);
+  for (std::size_t c = 0; c < all; ++c) now_.slot[touching_pairs_[c]] = static_cast<std::uint32_t>(c);
+}
+
+template <int D>
 std::size_t contacts<D>::deepest_grain() const {
   double most = 0.0;
   std::size_t grain = 0;
-  for (std::size_t p = 0; p < pairs(); ++p) {
-    if (touching_[p] == 0) continue;
-    const auto& i = packed_[first_[p]];
-    double overlap = 0.0, smaller = i.R;
-    if (p < grain_pairs_) {
-      const auto& j = packed_[second_[p]];
-      smaller = std::min(i.R, j.R);
-      overlap = i.R + j.R - solids::norm<D>(i.x - j.x - j.shift);
-    }
+  for (const std::uint32_t p : touching_pairs_) {
+    const double R = places_[first_[p]].R;
+    const bool grains = p < grain_pairs_;
+    const double smaller = grains ? std::min(R, places_[second_[p]].R) : R;
+    const double overlap =
+        grains ? R + places_[second_[p]].R - solids::norm<D>(apart(p)) : R - wall_places_[p - grain_pairs_].distance;
     if (overlap > most * smaller) {
       most = overlap / smaller;
       grain = first_[p];
@@ -73,11 +117,11 @@ std::size_t contacts<D>::deepest_grain() const {
 template <int D>
 void contacts<D>::add_energy(const particles::particles<D>& s, foundation::exact_sum& number,
                              foundation::exact_sum& elastic) const {
-  for (std::size_t p = 0; p < told_.size(); ++p) {
-    if (touching_[p] == 0) continue;
+  for (std::size_t c = 0; c < told_.size(); ++c) {
+    const std::size_t p = touching_pairs_[c];
     const double part = p < grain_pairs_ && second_[p] >= s.fluid ? 0.5 : 1.0;
     number.add(part);
-    elastic.add(part * told_[p].elastic);
+    elastic.add(part * told_[c].elastic);
   }
 }
 
@@ -91,7 +135,7 @@ std::size_t contacts<D>::coordination(std::size_t i) const {
 template <int D>
 double contacts<D>::virial(std::size_t i) const {
   double sum = 0.0;
-  for_each_of(i, [&](std::size_t p) { sum += packed_[i].R * told_[p].normal; });
+  for_each_of(i, [&](std::size_t c) { sum += places_[i].R * told_[c].normal; });
   return sum / D;
 }
 
@@ -161,46 +205,47 @@ void contacts<D>::find_walls(const particles::particles<D>& s, const double* rad
 template <int D>
 void contacts<D>::pack(const grain_fields<D>& f, double back) {
   const auto& s = f.s;
-  packed_.resize(s.total());
-  foundation::for_all(s.total(), [&](std::size_t i) {
-    auto& g = packed_[i];
+  const std::size_t n = s.total();
+  owned_ = s.fluid;
+  places_.resize(n);
+  motions_.resize(n);
+  shifts_.resize(n - owned_);
+  foundation::for_all(n, [&](std::size_t i) {
+    auto& g = places_[i];
+    auto& h = motions_[i];
     g.R = f.radius[i];
-    g.m = s.m[i];
-    g.material = static_cast<std::size_t>(s.material[i]);
+    h.m = s.m[i];
+    h.material = static_cast<std::size_t>(s.material[i]);
     for (std::size_t a = 0; a < D; ++a) {
-      g.x[a] = f.own_place[a] != nullptr ? f.own_place[a][i] : s.x[a][i];
-      g.shift[a] = f.own_place[a] != nullptr ? f.period[a] * std::round((s.x[a][i] - g.x[a]) / f.period[a]) : 0.0;
-      g.v[a] = s.v[a][i];
-      g.v_mid[a] = s.v[a][i] - back * f.kept_acceleration[a][i];
+      g.x[a] = s.x[a][i];
+      h.v[a] = s.v[a][i];
+      h.v_mid[a] = s.v[a][i] - back * f.kept_acceleration[a][i];
     }
     for (std::size_t a = 0; a < turns<D>; ++a) {
-      g.W[a] = g.R * f.spin[a][i];
-      g.W_mid[a] = g.R * (f.spin[a][i] - back * f.kept_spin_rate[a][i]);
+      h.W[a] = g.R * f.spin[a][i];
+      h.W_mid[a] = g.R * (f.spin[a][i] - back * f.kept_spin_rate[a][i]);
+    }
+    if (i < owned_) return;
+    for (std::size_t a = 0; a < D; ++a) {
+      if (f.own_place[a] != nullptr) g.x[a] = f.own_place[a][i];
+      shifts_[i - owned_][a] = f.period[a] * std::round((s.x[a][i] - g.x[a]) / f.period[a]);
     }
   });
 }
 
 template <int D>
-void contacts<D>::part(std::size_t p) {
-  touching_[p] = 0;
-  double* const next = next_.data() + p * memory::size;
-  if (next[D] != 0.0) std::fill_n(next, memory::size, 0.0);
-}
-
-template <int D>
-void contacts<D>::put(std::size_t p, const encounter<D>& e, const contact_force<D>& f, double lever_part,
+void contacts<D>::put(std::size_t c, const encounter<D>& e, const contact_force<D>& f, double lever_part,
                       double smaller, const memory& m, contact_measures& largest) {
-  m.write(next_.data() + p * memory::size);
-  double* to = result_.data() + p * result_size();
+  m.write(now_.memory.data() + c * memory::size);
+  double* to = result_.data() + c * result_size();
   for (std::size_t a = 0; a < D; ++a) *to++ = f.force[a];
   const auto T = torque_of<D>(e.n, f.tangential);
   for (std::size_t a = 0; a < turns<D>; ++a) *to++ = lever_part * T[a];
   if (table_.rules.rolling != rolling_model::none)
     for (std::size_t a = 0; a < turns<D>; ++a) *to++ = f.rolling[a];
-  touching_[p] = 1;
-  if (!told_.empty()) told_[p] = {f.elastic, f.normal};
+  if (!told_.empty()) told_[c] = {f.elastic, f.normal};
   largest.force = std::max(largest.force, f.normal);
-  largest.relative_overlap = std::max(largest.relative_overlap, e.overlap / smaller);
+  if (e.overlap > largest.relative_overlap * smaller) largest.relative_overlap = e.overlap / smaller;
   if (e.overlap > largest.overlap) {
     largest.overlap = e.overlap;
     largest.approach = e.approach;
@@ -209,16 +254,15 @@ void contacts<D>::put(std::size_t p, const encounter<D>& e, const contact_force<
 }
 
 template <int D>
-void contacts<D>::meet_grain(std::size_t p, double dt, contact_measures& largest) {
-  const packed_grain &i = packed_[first_[p]], &j = packed_[second_[p]];
-  const auto apart = i.x - j.x - j.shift;
-  const double d2 = square<D>(apart), sum = i.R + j.R;
-  if (!(d2 < sum * sum)) return part(p);
-  const double d = std::sqrt(d2), levers = d / sum;
+void contacts<D>::meet_grain(std::size_t c, double dt, contact_measures& largest) {
+  const std::size_t p = touching_pairs_[c], a = first_[p], b = second_[p];
+  const auto way = apart(p);
+  const double d = solids::norm<D>(way), R_i = places_[a].R, R_j = places_[b].R, sum = R_i + R_j, levers = d / sum;
+  const auto &i = motions_[a], &j = motions_[b];
   encounter<D> e;
-  e.n = (1.0 / d) * apart;
+  e.n = (1.0 / d) * way;
   e.overlap = sum - d;
-  e.R = i.R * j.R / sum;
+  e.R = R_i * R_j / sum;
   e.m = i.m * j.m / (i.m + j.m);
   const auto both = [&](const auto& straight, const auto& spins, auto& across) {
     const double along = foundation::dot(straight, e.n);
@@ -229,43 +273,43 @@ void contacts<D>::meet_grain(std::size_t p, double dt, contact_measures& largest
   both(i.v_mid - j.v_mid, i.W_mid + j.W_mid, e.way);
   e.way = dt * e.way;
   if (table_.rules.rolling != rolling_model::none) {
-    e.roll = i.spin() - j.spin();
-    e.rolling = dt * (i.spin_mid() - j.spin_mid());
-    const double I_i = 1.4 * i.m * i.R * i.R, I_j = 1.4 * j.m * j.R * j.R;
+    e.roll = (1.0 / R_i) * i.W - (1.0 / R_j) * j.W;
+    e.rolling = dt * ((1.0 / R_i) * i.W_mid - (1.0 / R_j) * j.W_mid);
+    const double I_i = 1.4 * i.m * R_i * R_i, I_j = 1.4 * j.m * R_j * R_j;
     e.inertia = I_i * I_j / (I_i + I_j);
   }
-  auto m = memory::read(memory_.data() + p * memory::size);
+  auto m = kept_.slot[p] == none ? memory{} : memory::read(kept_.memory.data() + kept_.slot[p] * memory::size);
   const auto f = force_of<D>(table_.rules, table_.of(i.material, j.material), e, m);
-  put(p, e, f, levers, std::min(i.R, j.R), m, largest);
+  put(c, e, f, levers, std::min(R_i, R_j), m, largest);
 }
 
 template <int D>
-void contacts<D>::meet_wall(std::size_t p, double t, double dt, contact_measures& largest) {
-  const packed_grain& i = packed_[first_[p]];
-  const std::size_t n = second_[p];
-  const auto wall = walls_.at(n, i.x, t, i.R);
-  if (!wall.found || !(wall.distance < i.R)) return part(p);
+void contacts<D>::meet_wall(std::size_t c, double t, double dt, contact_measures& largest) {
+  const std::size_t p = touching_pairs_[c], n = second_[p];
+  const auto& i = motions_[first_[p]];
+  const auto& [x, R] = places_[first_[p]];
+  const auto& wall = wall_places_[p - grain_pairs_];
   encounter<D> e;
   e.n = wall.normal;
-  e.overlap = i.R - wall.distance;
-  e.R = i.R;
+  e.overlap = R - wall.distance;
+  e.R = R;
   e.m = i.m;
-  const double levers = wall.distance / i.R;
+  const double levers = wall.distance / R;
   const auto between = [&](const auto& straight, const auto& spin, auto& across) {
     const double along = foundation::dot(straight, e.n);
     across = straight - along * e.n - solids::cross<D>(levers * spin, e.n);
     return along;
   };
   e.approach = -between(i.v - wall.velocity, i.W, e.slip);
-  const auto mid = walls_.moves(n) ? walls_.at(n, i.x, t - 0.5 * dt, i.R).velocity : wall.velocity;
+  const auto mid = walls_.moves(n) ? walls_.at(n, x, t - 0.5 * dt, R).velocity : wall.velocity;
   between(i.v_mid - mid, i.W_mid, e.way);
   e.way = dt * e.way;
-  e.roll = i.spin();
-  e.rolling = dt * i.spin_mid();
-  e.inertia = 1.4 * i.m * i.R * i.R;
-  auto m = memory::read(memory_.data() + p * memory::size);
+  e.roll = (1.0 / R) * i.W;
+  e.rolling = (dt / R) * i.W_mid;
+  e.inertia = 1.4 * i.m * R * R;
+  auto m = kept_.slot[p] == none ? memory{} : memory::read(kept_.memory.data() + kept_.slot[p] * memory::size);
   const auto f = force_of<D>(table_.rules, table_.of(i.material, walls_.materials[n]), e, m);
-  put(p, e, f, levers, i.R, m, largest);
+  put(c, e, f, levers, R, m, largest);
 }
 
 template <int D>
@@ -276,21 +320,20 @@ void contacts<D>::gather(const grain_fields<D>& f) const {
   for (std::size_t i = 0; i < n; ++i) {
     auto force = foundation::zero<double, D>();
     auto turning = foundation::zero<double, turns<D>>(), rolling = turning;
-    const auto add = [&](std::size_t p, double sign) {
-      const double* r = result_.data() + p * size;
+    const auto add = [&](std::size_t c, double sign) {
+      const double* r = result_.data() + c * size;
       for (std::size_t a = 0; a < D; ++a) force[a] += sign * r[a];
       for (std::size_t a = 0; a < turns<D>; ++a) turning[a] += r[D + a];
       if constexpr (rolls)
         for (std::size_t a = 0; a < turns<D>; ++a) rolling[a] += sign * r[D + turns<D> + a];
     };
     for (std::size_t k = near_.start[i]; k < near_.start[i + 1]; ++k)
-      if (const std::size_t p = row_[k] >> 1; touching_[p] != 0) add(p, (row_[k] & 1U) != 0 ? -1.0 : 1.0);
+      if (const auto c = now_.slot[row_[k] >> 1]; c != none) add(c, (row_[k] & 1U) != 0 ? -1.0 : 1.0);
     for (std::size_t p = wall_start_[i]; p < wall_start_[i + 1]; ++p)
-      if (touching_[p] != 0) add(p, 1.0);
-    const auto& g = packed_[i];
-    const double light = 1.0 / g.m, easy = 2.5 / (g.m * g.R * g.R);
+      if (const auto c = now_.slot[p]; c != none) add(c, 1.0);
+    const double R = places_[i].R, light = 1.0 / motions_[i].m, easy = 2.5 * light / (R * R);
     for (std::size_t a = 0; a < D; ++a) f.acceleration[a][i] = light * force[a] + f.gravity[a];
-    for (std::size_t a = 0; a < turns<D>; ++a) f.spin_rate[a][i] = easy * (rolling[a] - g.R * turning[a]);
+    for (std::size_t a = 0; a < turns<D>; ++a) f.spin_rate[a][i] = easy * (rolling[a] - R * turning[a]);
   }
 }
 

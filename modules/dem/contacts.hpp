@@ -12,6 +12,7 @@
 #include <dem/contact.hpp>
 #include <dem/walls.hpp>
 #include <foundation/exact_sum.hpp>
+#include <limits>
 #include <particles/particles.hpp>
 #include <particles/partners.hpp>
 #include <span>
@@ -82,7 +83,7 @@ class contacts {
   // asked for afterwards.
   contact_measures evaluate(const grain_fields<D>& f, double t, double dt, bool tells);
   // What contacts keep is that of the last evaluation from now on.
-  void commit() { std::swap(memory_, next_); }
+  void commit() { std::swap(kept_, now_); }
   // The owned grain of the deepest contact, in radii of the smaller one.
   std::size_t deepest_grain() const;
 
@@ -106,35 +107,50 @@ class contacts {
   deepest_overlap deepest(const particles::particles<D>& s, const double* radius, double t) const;
 
  private:
-  // Of a grain, in one place: W = R ω, by which surfaces move; `mid` is half a step ago, as the positions moved.
-  // x is that of the grain itself, and shift what an image over periodic borders stands off it: x_i - x_j - shift_j has
-  // the same bits, but for its sign, for both of a pair.
-  struct packed_grain {
-    solids::point<D> x, shift, v, v_mid;
-    solids::about<D> W, W_mid;
-    double R, m;
-    std::size_t material;
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-    solids::about<D> spin() const { return (1.0 / R) * W; }
-    solids::about<D> spin_mid() const { return (1.0 / R) * W_mid; }
+  // Of a grain, by which most pairs are seen not to touch: x is that of the grain itself, of ghosts too.
+  struct place {
+    solids::point<D> x;
+    double R;
+  };
+  // And the rest: W = R ω, by which surfaces move; `mid` is half a step ago, as the positions moved.
+  struct motion {
+    solids::point<D> v, v_mid;
+    solids::about<D> W, W_mid;
+    double m;
+    std::size_t material;
+  };
+  // Of the contacts of an evaluation, which stand in the order of the pairs.
+  struct touching {
+    std::vector<std::uint32_t> slot;  // of each pair: its place among the contacts, or none
+    std::vector<double> memory;       // of each contact
   };
   struct told {
     double elastic = 0.0, normal = 0.0;  // J, N
   };
 
-  // Of each pair: force and torque's factor, and a rolling torque, if there are such.
+  // Of each contact: force and torque's factor, and a rolling torque, if there are such.
   std::size_t result_size() const {
     return D + turns<D> + (table_.rules.rolling == rolling_model::none ? 0 : turns<D>);
+  }
+  // x_i - x_j, the grains' own, and what the image of j stands off: the same bits, but for the sign, for both of a
+  // pair.
+  solids::point<D> apart(std::size_t p) const {
+    const std::size_t j = second_[p];
+    const auto straight = places_[first_[p]].x - places_[j].x;
+    return j < owned_ ? straight : straight - shifts_[j - owned_];
   }
   std::int64_t partner_id(const particles::particles<D>& s, std::size_t p) const {
     return p < grain_pairs_ ? s.id[second_[p]] : -1 - static_cast<std::int64_t>(second_[p]);
   }
+  // f(contact) of those of grain i, after an evaluation.
   template <class F>
   void for_each_of(std::size_t i, const F& f) const {
     for (std::size_t k = near_.start[i]; k < near_.start[i + 1]; ++k)
-      if (touching_[row_[k] >> 1] != 0) f(row_[k] >> 1);
+      if (const auto c = now_.slot[row_[k] >> 1]; c != none) f(c);
     for (std::size_t p = wall_start_[i]; p < wall_start_[i + 1]; ++p)
-      if (touching_[p] != 0) f(p);
+      if (const auto c = now_.slot[p]; c != none) f(c);
   }
 
   // Each pair once, its first grain owned by this rank; and rows of pairs, whose last bit is set where the grain is the
@@ -142,11 +158,12 @@ class contacts {
   void pair_rows(const particles::particles<D>& s);
   void find_walls(const particles::particles<D>& s, const double* radius, double skin, double t);
   void pack(const grain_fields<D>& f, double back);
-  void part(std::size_t p);
-  void put(std::size_t p, const encounter<D>& e, const contact_force<D>& f, double lever_part, double smaller,
+  void find_touching(double t);
+  bool touches(std::size_t p, double t);
+  void put(std::size_t c, const encounter<D>& e, const contact_force<D>& f, double lever_part, double smaller,
            const memory& m, contact_measures& largest);
-  void meet_grain(std::size_t p, double dt, contact_measures& largest);
-  void meet_wall(std::size_t p, double t, double dt, contact_measures& largest);
+  void meet_grain(std::size_t c, double dt, contact_measures& largest);
+  void meet_wall(std::size_t c, double t, double dt, contact_measures& largest);
   template <bool rolls>
   void gather(const grain_fields<D>& f) const;
 
@@ -157,10 +174,15 @@ class contacts {
   std::vector<std::size_t> wall_start_;        // of each owned grain, its pairs with walls; one more at the end
   std::vector<std::uint32_t> first_, second_;  // of each pair; behind those of grains a wall's number
   std::size_t grain_pairs_ = 0;
-  std::vector<packed_grain> packed_;
-  std::vector<double> memory_, next_, result_;
-  std::vector<unsigned char> touching_;
-  std::vector<told> told_;  // of each pair, or none
+  std::size_t owned_ = 0;
+  std::vector<place> places_;
+  std::vector<motion> motions_;
+  std::vector<solids::point<D>> shifts_;                    // m, of ghosts
+  std::vector<typename wall_set<D>::meeting> wall_places_;  // of each pair with a wall
+  std::vector<std::uint32_t> touching_pairs_;               // of the last evaluation
+  touching kept_, now_;                                     // of the last commit; of the last evaluation
+  std::vector<double> result_;
+  std::vector<told> told_;  // of each contact, or none
 };
 
 extern template class contacts<2>;

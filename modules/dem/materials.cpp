@@ -39,6 +39,8 @@ contact_table::contact_table(const contact_rules& of, std::vector<material> all,
         c.normal = 1.0 / (soft(m) + soft(w));
         c.tangential = 1.0 / (sheared(m) + sheared(w));
       }
+      const double k_t = (rules.model == contact_model::hooke ? 1.0 : 6.0) * c.tangential;
+      c.tangential_root = std::sqrt(k_t / c.normal);
       const auto known = damping.find(e);
       c.damping = known != damping.end() ? known->second : (damping[e] = damping_for(rules.model, e));
     }

@@ -34,11 +34,12 @@ struct pair_rule {
 
 // Hertz and Mindlin: E*, G*; Hooke: stiffnesses of normal and tangential springs.
 struct pair_constants {
-  double normal = 0.0;      // Pa, E*: 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2; or N/m
-  double tangential = 0.0;  // Pa, G*: 1/G* = (2 - ν1)/G1 + (2 - ν2)/G2; or N/m
-  double damping = 0.0;     // 1, α of damping.hpp
-  double friction = 0.0;    // 1, μ
-  double rolling = 0.0;     // 1, μ_r
+  double normal = 0.0;           // Pa, E*: 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2; or N/m
+  double tangential = 0.0;       // Pa, G*: 1/G* = (2 - ν1)/G1 + (2 - ν2)/G2; or N/m
+  double damping = 0.0;          // 1, α of damping.hpp
+  double tangential_root = 0.0;  // 1, √(k_t δ/F)
+  double friction = 0.0;         // 1, μ
+  double rolling = 0.0;          // 1, μ_r
 };
 
 // Rolling resistance [J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, Powder Technol. 206, 269 (2011)]: a torque of
