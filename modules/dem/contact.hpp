@@ -5,6 +5,8 @@
 //   Hertz   k = 4/3 E* √R*,   F_n = max(0, k δ^(3/2) + α √(m* k) δ^(1/4) dδ/dt)
 //   Hooke   F_n = max(0, k δ + α √(m* k) dδ/dt)
 //
+// Hertz's contact may adhere (materials.hpp); the dashpots then take the contact's radius a in the place of √(R* δ).
+//
 // Tangential: a spring that sticks until Coulomb's limit and slides there. Its force Q is kept from step to step and
 // turns with the contact. The increment is k_t times the tangential way of the surfaces, k_t = 8 G* a with the radius
 // of the contact a = √(R* δ) [R. D. Mindlin, J. Appl. Mech. 16, 259 (1949)]. Where a shrinks the force shrinks with it,
@@ -17,6 +19,7 @@
 
 #include <cmath>
 #include <dem/materials.hpp>
+#include <numbers>
 #include <solids/motion.hpp>
 
 namespace tetsuame::dem {
@@ -99,12 +102,22 @@ contact_force<D> force_of(const contact_rules& rules, const pair_constants& c, c
   contact_force<D> f;
   const bool hertz = rules.model == contact_model::hertz_mindlin;
   // m, a; N/m, F/δ and that of the tangential spring. √(m k_t) is √(m F/δ) times a number of the materials.
-  const double root = hertz ? std::sqrt(e.R * e.overlap) : 1.0;
+  const bool adheres = hertz && c.adhesion > 0.0;
+  const double root = adheres ? adhesive_radius(c, e.R, e.overlap) : hertz ? std::sqrt(e.R * e.overlap) : 1.0;
   const double stiff = hertz ? 4.0 / 3.0 * c.normal * root : c.normal;
   const double k_t = hertz ? 8.0 * c.tangential * root : c.tangential;
   const double dashpot = c.damping * std::sqrt(e.m * stiff);  // kg/s
-  f.normal = std::fmax(0.0, stiff * e.overlap + dashpot * e.approach);
-  f.elastic = (hertz ? 0.4 : 0.5) * stiff * e.overlap * e.overlap;
+  double pulls = 0.0;                                         // N, at most
+  if (adheres) {
+    const double w = std::numbers::pi * c.adhesion, a2 = root * root, a3 = a2 * root;
+    const double stuck = std::sqrt(2.0 * w * c.normal * a3);
+    pulls = 1.5 * w * e.R;
+    f.normal = std::fmax(-pulls, stiff * a2 / e.R - 2.0 * stuck + dashpot * e.approach);
+    f.elastic = a2 * (8.0 / 15.0 * c.normal * a3 / (e.R * e.R) - 4.0 / 3.0 * stuck / e.R + w);
+  } else {
+    f.normal = std::fmax(0.0, stiff * e.overlap + dashpot * e.approach);
+    f.elastic = (hertz ? 0.4 : 0.5) * stiff * e.overlap * e.overlap;
+  }
 
   // The spring's force as the contact now lies, with the size that it had.
   auto Q = memory.Q;
@@ -116,7 +129,9 @@ contact_force<D> force_of(const contact_rules& rules, const pair_constants& c, c
   Q -= k_t * e.way;
   memory.a = hertz ? root : 1.0;
 
-  const double limit = c.friction * f.normal, size2 = square<D>(Q);
+  // With adhesion by what presses beyond the force that breaks the contact [C. Thornton, J. Phys. D 24, 1942 (1991)].
+  const double pressed = f.normal + 2.0 * pulls;
+  const double limit = c.friction * pressed, size2 = square<D>(Q);
   if (size2 > limit * limit) {
     Q = (limit / std::sqrt(size2)) * Q;
     f.tangential = Q;
@@ -131,7 +146,7 @@ contact_force<D> force_of(const contact_rules& rules, const pair_constants& c, c
 
   f.rolling = foundation::zero<double, turns<D>>();
   if (rules.rolling == rolling_model::none || !(c.rolling > 0.0)) return f;
-  const double most = c.rolling * e.R * f.normal;  // N m
+  const double most = c.rolling * e.R * pressed;  // N m
   if (rules.rolling == rolling_model::constant_torque) {
     const auto roll = without_twist<D>(e.roll, e.n);
     const double speed = std::sqrt(foundation::dot(roll, roll));

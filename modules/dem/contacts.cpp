@@ -57,12 +57,19 @@ template <int D>
 bool contacts<D>::touches(std::size_t p, double t) {
   const auto& i = places_[first_[p]];
   if (p < grain_pairs_) {
-    const double sum = i.R + places_[second_[p]].R;
+    double sum = i.R + places_[second_[p]].R;
+    if (table_.adheres() && kept_.slot[p] != none) {
+      const double R = i.R * places_[second_[p]].R / sum;
+      sum += drawn_apart(table_.of(motions_[first_[p]].material, motions_[second_[p]].material), R);
+    }
     return square<D>(apart(p)) < sum * sum;
   }
   auto& wall = wall_places_[p - grain_pairs_];
-  wall = walls_.at(second_[p], i.x, t, i.R);
-  return wall.found && wall.distance < i.R;
+  double reach = i.R;
+  if (table_.adheres() && kept_.slot[p] != none)
+    reach += drawn_apart(table_.of(motions_[first_[p]].material, walls_.materials[second_[p]]), i.R);
+  wall = walls_.at(second_[p], i.x, t, reach);
+  return wall.found && wall.distance < reach;
 }
 
 // Contacts stand in the order of the pairs, whoever finds them.
@@ -246,7 +253,7 @@ void contacts<D>::put(std::size_t c, const encounter<D>& e, const contact_force<
   if (!told_.empty()) told_[c] = {f.elastic, f.normal};
   largest.force = std::max(largest.force, f.normal);
   if (e.overlap > largest.relative_overlap * smaller) largest.relative_overlap = e.overlap / smaller;
-  if (e.overlap > largest.overlap) {
+  if (!std::exchange(largest.any, true) || e.overlap > largest.overlap) {
     largest.overlap = e.overlap;
     largest.approach = e.approach;
     for (std::size_t a = 0; a < D; ++a) largest.normal[a] = e.n[a];

@@ -37,17 +37,20 @@ struct grain_fields {
 
 // The largest of the contacts of an evaluation, on this rank.
 struct contact_measures {
-  double overlap = 0.0, force = 0.0;  // m, N
+  bool any = false;
+  double overlap = 0.0, force = 0.0;  // m, N; below 0 where all contacts are drawn apart
   double relative_overlap = 0.0;      // over the smaller radius
   double approach = 0.0;              // m/s, of the contact of the largest overlap
   std::array<double, 3> normal{};     // of that, from the partner to the grain
 
   void include(const contact_measures& other) {
-    if (other.overlap > overlap) {
+    if (!other.any) return;
+    if (!any || other.overlap > overlap) {
       overlap = other.overlap;
       approach = other.approach;
       normal = other.normal;
     }
+    any = true;
     force = std::max(force, other.force);
     relative_overlap = std::max(relative_overlap, other.relative_overlap);
   }

@@ -19,17 +19,19 @@ struct material {
   double restitution = not_given;       // 1, e
   double friction = not_given;          // 1, μ
   double rolling_friction = not_given;  // 1, μ_r
+  double adhesion = not_given;          // J/m2, work of adhesion
 
   double shear_modulus() const { return young_modulus / (2.0 * (1.0 + poisson_ratio)); }  // Pa
 };
 // Of two materials: the smaller value of both, that of one, or the default where neither is given.
 double smaller_of(double a, double b, double neither);
-inline constexpr double default_restitution = 0.9, default_friction = 0.5, default_rolling_friction = 0.0;
+inline constexpr double default_restitution = 0.9, default_friction = 0.5, default_rolling_friction = 0.0,
+                        default_adhesion = 0.0;
 
 // What the input says of the contact of two materials, in the place of what follows from theirs.
 struct pair_rule {
   std::size_t first, second;
-  double restitution, friction, rolling_friction;
+  double restitution, friction, rolling_friction, adhesion;
 };
 
 // Hertz and Mindlin: E*, G*; Hooke: stiffnesses of normal and tangential springs.
@@ -40,6 +42,7 @@ struct pair_constants {
   double tangential_root = 0.0;  // 1, √(k_t δ/F)
   double friction = 0.0;         // 1, μ
   double rolling = 0.0;          // 1, μ_r
+  double adhesion = 0.0;         // J/m2, w
 };
 
 // Rolling resistance [J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, Powder Technol. 206, 269 (2011)]: a torque of
@@ -60,13 +63,26 @@ class contact_table {
   contact_table(const contact_rules& rules, std::vector<material> materials, const std::vector<pair_rule>& pairs);
 
   const pair_constants& of(std::size_t a, std::size_t b) const { return pairs_[a * materials.size() + b]; }
+  bool adheres() const { return adheres_; }
+  // m, the farthest that surfaces of grains no larger than this are drawn apart before a contact breaks.
+  double farthest_drawn(double radius) const;
 
   contact_rules rules;
   std::vector<material> materials;
 
  private:
   std::vector<pair_constants> pairs_;
+  bool adheres_ = false;
 };
+
+// Adhesion after K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. Lond. A 324, 301 (1971), of spheres with R*,
+// E* and the work of adhesion w: with the radius a of the contact
+//
+//   δ = a²/R* - √(2π w a/E*),   F = 4 E* a³/(3 R*) - √(8π w E* a³)
+//
+// A contact begins at δ = 0 and breaks where dδ/da = 0, at δ = -3 a²/R*, a³ = π w R*²/(8 E*).
+double drawn_apart(const pair_constants& c, double R);                      // m, that -δ
+double adhesive_radius(const pair_constants& c, double R, double overlap);  // m, a
 
 // s, in which Rayleigh's wave goes through half a sphere: π R √(ρ/G)/(0.1631 ν + 0.8766).
 double rayleigh_time(const material& of, double radius);

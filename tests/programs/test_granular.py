@@ -138,6 +138,28 @@ class Granular(Case):
         self.near(22 - slides["spin_z"], 2.5 * 0.4 * 1.5 * 0.2 / 0.1, 1e-3)
         self.near(abs(slides["velocity_y"]), 0.4 * 1.5 * 0.2, 1e-3)
 
+    def test_adhesion(self):
+        """JKR: an elastic sphere on a plane sticks below the speed of Thornton and Ning (1998), and loses a fixed energy above it; it is held by 3/2 pi w R."""
+        R, rho, E, nu, w = 1e-5, 2500.0, 1e9, 0.25, 0.2
+        E_star, m = E / (1.0 - nu * nu) / 2.0, 4.0 / 3.0 * math.pi * R**3 * rho
+        sticks = math.sqrt(14.18 / m) * (w**5 * R**4 / E_star**2) ** (1.0 / 6.0)
+        path = self.here / "sticky.nml"
+        for part in (0.8, 1.2, 3.0):
+            path.write_text(f"""&domain length_x = 1e-3  length_y = 1e-3 /
+&gravity g = 0 /
+&material density = {rho}  young_modulus = {E}  poisson_ratio = {nu}  restitution = 1  friction = 0.3  adhesion = {w} /
+&grain radius = {R}  x = 5e-4  y = {R}  velocity_y = {-part * sticks} /
+&time cfl = 0.002  t_end = {30 * R / sticks * 0.03} /
+&output history_interval = 10 /
+""")
+            result = self.run_program("granular", path, {}, f"part_{part}")
+            m_ = result.summary["metrics"]
+            if part < 1.0:
+                self.assertEqual(m_["contacts"], 1.0)
+                self.assertIsNone(m_["restitution_normal"])
+            else:
+                self.near(m_["restitution_normal"], math.sqrt(1.0 - 1.0 / part**2), 1e-2)
+
     def test_ranks_and_restart(self):
         """Sizes, two materials, a periodic slope: the same bits on any ranks and threads, over an interruption that other ranks go on from."""
         path = self.here / "bed.nml"

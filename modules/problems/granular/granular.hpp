@@ -206,8 +206,8 @@ class problem : public run::particle_simulation<D> {
         [&](const run::list_lengths&, const cells::grid<D>& grid) {
           cells::make_list<D>(w.list, grid, s.x, s.fluid, cells::one_reach{reach});
           w.exchange_fluid({radius_.data()});
-          contacts_.find_pairs(s, radius_.data(), dem::near_rows<D>(s, radius_.data(), w.list, world_.skin),
-                               world_.skin, world_.list_time);
+          contacts_.find_pairs(s, radius_.data(), dem::near_rows<D>(s, radius_.data(), w.list, world_.skin + drawn_),
+                               world_.skin + 2.0 * drawn_, world_.list_time);
         });
     particles::clear_derived(s);
     contacts_.remember(s, history_);
@@ -218,7 +218,8 @@ class problem : public run::particle_simulation<D> {
   // A box without a lattice: the spacing is the largest diameter, which is also how far lists look.
   void set_up() {
     auto& w = world_.w;
-    w.dx = 2.0 * o_.largest_radius;
+    drawn_ = o_.table.farthest_drawn(o_.largest_radius);
+    w.dx = 2.0 * o_.largest_radius + drawn_;
     w.kernel = kernels::make<D>(o_.common.kernel.name, o_.common.kernel.h_over_dx * w.dx);
     w.lattice_sum = 1.0;
     world_.skin = o_.common.kernel.skin * w.dx;
@@ -276,15 +277,18 @@ class problem : public run::particle_simulation<D> {
   bool is_impact() const { return world_.fluid_total <= 2; }
   // What any rank has of the only contact.
   void share(dem::contact_measures& m) const {
-    std::array<double, 6> all{m.overlap, m.force, -std::numeric_limits<double>::infinity(), 0.0, 0.0, 0.0};
-    if (m.overlap > 0.0) {
+    constexpr double least = -std::numeric_limits<double>::infinity();
+    std::array<double, 6> all{least, m.force, least, 0.0, 0.0, 0.0};
+    if (m.any) {
+      all[0] = m.overlap;
       all[2] = m.approach;
       for (std::size_t a = 0; a < 3; ++a) all[3 + a] = m.normal[a] + 2.0;
     }
     ranks.maximum(all);
-    m.overlap = all[0];
     m.force = all[1];
-    if (!(m.overlap > 0.0)) return;
+    m.any = all[0] > least;
+    if (!m.any) return;
+    m.overlap = all[0];
     m.approach = all[2];
     for (std::size_t a = 0; a < 3; ++a) m.normal[a] = all[3 + a] - 2.0;
   }
@@ -449,7 +453,8 @@ class problem : public run::particle_simulation<D> {
   particles::partners history_{dem::contact_memory<D>::size};
   particles::pair_table pairs_;  // of the last checkpoint or hash
   bool has_lists_ = false, is_start_ = true;
-  double fullest_ = 0.0;                                        // of the last evaluation, in radii
+  double drawn_ = 0.0;    // m, by which a contact that adheres lasts longer than surfaces touch
+  double fullest_ = 0.0;  // of the last evaluation, in radii
   double kept_at_ = 0.0, fastest_ = 0.0, may_rest_from_ = 0.0;  // s, of what contacts keep; m/s; s
   dem::contact_measures latest_;                                // of the last step
   contact_record record_;

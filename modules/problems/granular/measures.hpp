@@ -24,14 +24,14 @@ class contact_record {
     deepest_ = std::max(deepest_, now.overlap);
     strongest_ = std::max(strongest_, now.force);
     if (!single || left_ >= 0.0) return;
-    if (now.overlap > 0.0) {
+    if (now.any) {
       if (entered_ < 0.0) {
         entered_ = now.approach > 0.0 ? t - now.overlap / now.approach : t;
         normal_ = now.normal;
       }
       last_ = {t, now.overlap, now.approach};
     } else if (entered_ >= 0.0) {
-      left_ = last_[2] < 0.0 ? std::min(t, last_[0] - last_[1] / last_[2]) : t;
+      left_ = last_[1] > 0.0 && last_[2] < 0.0 ? std::min(t, last_[0] - last_[1] / last_[2]) : t;
     }
   }
   void report(const domain::communicator& ranks, nlohmann::ordered_json& m) const {

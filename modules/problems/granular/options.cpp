@@ -38,6 +38,10 @@ void declare_materials(namelist::schema& schema, options& o) {
              list(between(0.0, 10.0, "Coulomb's coefficient; not given: the other material's, or 0.5")));
   schema.add("material", "rolling_friction", m.rolling_friction,
              list(between(0.0, 10.0, "coefficient of rolling resistance; not given: the other material's, or 0")));
+  schema.add("material", "adhesion", m.adhesion,
+             list({.unit = "J/m^2",
+                   .minimum = 0.0,
+                   .meaning = "work of adhesion (JKR) of two such surfaces; not given: the other material's, or 0"}));
   auto& p = o.pairs_given;
   schema.group("pair", "the contact of two materials; may stand several times. Without it the smaller value of both");
   schema.add("pair", "first", p.first, list({.meaning = "name of a material"}));
@@ -46,6 +50,8 @@ void declare_materials(namelist::schema& schema, options& o) {
   schema.add("pair", "friction", p.friction, list(between(0.0, 10.0, "not given: the smaller value of both")));
   schema.add("pair", "rolling_friction", p.rolling_friction,
              list(between(0.0, 10.0, "not given: the smaller value of both")));
+  schema.add("pair", "adhesion", p.adhesion,
+             list({.unit = "J/m^2", .minimum = 0.0, .meaning = "not given: the smaller value of both"}));
 }
 
 void declare_grains(namelist::schema& schema, options& o) {
@@ -117,8 +123,9 @@ std::size_t find(const namelist::schema& schema, const options& o, const char* g
 std::vector<dem::material> materials_of(const namelist::schema& schema, const options& o) {
   const auto& m = o.materials_given;
   const bool hertz = o.contact == "hertz_mindlin";
-  std::vector<dem::material> all(std::max<std::size_t>(
-      1, longest(m.name, m.density, m.young_modulus, m.poisson_ratio, m.restitution, m.friction, m.rolling_friction)));
+  std::vector<dem::material> all(
+      std::max<std::size_t>(1, longest(m.name, m.density, m.young_modulus, m.poisson_ratio, m.restitution, m.friction,
+                                       m.rolling_friction, m.adhesion)));
   for (std::size_t n = 0; n < all.size(); ++n) {
     auto& one = all[n];
     one.name = element_of(m.name, n);
@@ -137,6 +144,7 @@ std::vector<dem::material> materials_of(const namelist::schema& schema, const op
     take(m.restitution, one.restitution);
     take(m.friction, one.friction);
     take(m.rolling_friction, one.rolling_friction);
+    take(m.adhesion, one.adhesion);
   }
   return all;
 }
@@ -145,11 +153,16 @@ void make_table(const namelist::schema& schema, options& o) {
   o.table.materials = materials_of(schema, o);
   const auto& p = o.pairs_given;
   std::vector<dem::pair_rule> rules;
-  for (std::size_t n = 0; n < longest(p.first, p.second, p.restitution, p.friction, p.rolling_friction); ++n) {
+  for (std::size_t n = 0; n < longest(p.first, p.second, p.restitution, p.friction, p.rolling_friction, p.adhesion);
+       ++n) {
     for (const auto& [key, list] : {std::pair("first", &p.first), std::pair("second", &p.second)})
       if (element_of(*list, n).empty()) schema.fail("pair", key, "must be given of each pair");
     dem::pair_rule rule{find(schema, o, "pair", "first", n, p.first[n]),
-                        find(schema, o, "pair", "second", n, p.second[n]), 0.0, 0.0, 0.0};
+                        find(schema, o, "pair", "second", n, p.second[n]),
+                        0.0,
+                        0.0,
+                        0.0,
+                        0.0};
     const auto &a = o.table.materials[rule.first], &b = o.table.materials[rule.second];
     rule.restitution =
         element_of(p.restitution, n).value_or(dem::smaller_of(a.restitution, b.restitution, dem::default_restitution));
@@ -157,6 +170,7 @@ void make_table(const namelist::schema& schema, options& o) {
     rule.rolling_friction =
         element_of(p.rolling_friction, n)
             .value_or(dem::smaller_of(a.rolling_friction, b.rolling_friction, dem::default_rolling_friction));
+    rule.adhesion = element_of(p.adhesion, n).value_or(dem::smaller_of(a.adhesion, b.adhesion, dem::default_adhesion));
     rules.push_back(rule);
   }
   dem::contact_rules how;
@@ -168,6 +182,8 @@ void make_table(const namelist::schema& schema, options& o) {
   how.tangential_part = o.tangential_part;
   how.rolling_damping = o.rolling_damping;
   o.table = dem::contact_table(how, o.table.materials, rules);
+  if (how.model == dem::contact_model::hooke && o.table.adheres())
+    schema.fail("material", "adhesion", "belongs to contact = 'hertz_mindlin'");
 }
 
 template <int D>

@@ -15,11 +15,11 @@ inline constexpr std::size_t most_materials = 16, most_grains = 4096, most_packi
 // Of a material that walls and bodies are made of, where the input names none: that of the first grain.
 struct material_lists {
   std::vector<std::string> name;
-  std::vector<double> density, young_modulus, poisson_ratio, restitution, friction, rolling_friction;
+  std::vector<double> density, young_modulus, poisson_ratio, restitution, friction, rolling_friction, adhesion;
 };
 struct pair_lists {
   std::vector<std::string> first, second;
-  std::vector<double> restitution, friction, rolling_friction;
+  std::vector<double> restitution, friction, rolling_friction, adhesion;
 };
 // Single grains.
 struct grain_lists {
