@@ -431,7 +431,7 @@ class problem : public run::particle_simulation<D> {
     const auto& s = world_.w.s;
     heap_profile heap(o_.domain.length[0], 4.0 * o_.largest_radius);
     for (std::size_t i = 0; i < s.fluid; ++i)
-      if (contacts_.coordination(i) > 0) heap.add(s.x[0][i], s.x[1][i], radius_[i]);
+      if (const auto n = contacts_.coordination(i); n > 0) heap.add(s.x[0][i], s.x[1][i], radius_[i], n > 1);
     heap.share(ranks);
     m["run_out"] = heap.run_out();
     if (const auto slope = heap.slope()) {

@@ -76,19 +76,20 @@ class heap_profile {
   heap_profile(double length, double width)
       : width_(width), top_(static_cast<std::size_t>(std::max(1.0, std::ceil(length / width))), 0.0) {}
 
-  void add(double x, double y, double radius) {
+  // heaped: it lies on, or beneath, another grain; run_out() is of those.
+  void add(double x, double y, double radius, bool heaped) {
     const double n = std::floor(x / width_);
     if (n >= 0.0 && n < static_cast<double>(top_.size())) {
       auto& top = top_[static_cast<std::size_t>(n)];
       top = std::max(top, y + radius);
     }
-    run_out_ = std::max(run_out_, x + radius);
+    if (heaped) run_out_ = std::max(run_out_, x + radius);
   }
   void share(const domain::communicator& ranks) {
     ranks.maximum(top_);
     run_out_ = ranks.maximum(run_out_);
   }
-  double run_out() const { return run_out_; }  // m, the largest x of a grain
+  double run_out() const { return run_out_; }  // m, the largest x of one
 
   struct line {
     double angle, error;  // degrees; standard error

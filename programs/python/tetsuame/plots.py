@@ -59,7 +59,7 @@ def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | No
     logarithmic = look.logarithmic and low > 0 and high > 3 * low
     norm = (plt.matplotlib.colors.LogNorm if logarithmic else plt.Normalize)(low / size, high / size)
     image = ax.imshow(picture.values / size, origin="lower", extent=[edge / across for edge in picture.extent], cmap=look.colours, norm=norm,
-                      interpolation="nearest" if len(picture.names) > 2 else "bilinear")
+                      interpolation="nearest" if picture.sharp or len(picture.names) > 2 else "bilinear")
     image.tetsuame_size, image.tetsuame_across = size, across
     style.as_map(ax, *(np.reshape(picture.extent, (2, 2)) / across))
     for axis, place in zip("xy", picture.axes):

@@ -6,6 +6,7 @@ at walls and periodic borders too. Where it is known what a field does at a wall
 programs themselves do: isolines then meet an insulating wall at a right angle, and a wall that keeps its value has it. Values
 stay within those of the field but for a few hundredths, so that contacts do not overshoot; pixels that no particle reaches are nan.
 """
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,11 +21,12 @@ MARGIN = 2.0  # spacings, about a body in open space
 @dataclass
 class Map:
     """values[row, column]: rows from the bottom up. extent: left, right, bottom, top, m. axes: which axes of space these are. names: of
-    what the values number."""
+    what the values number. sharp: nothing is between two pixels."""
     values: np.ndarray
     extent: tuple[float, float, float, float]
     axes: tuple[int, int]
     names: tuple[str, ...] = ()
+    sharp: bool = False
 
     @property
     def x(self) -> np.ndarray:
@@ -75,6 +77,20 @@ def slice_of(snapshot, values: np.ndarray, pixels: int, axis: int, at: float | N
         aside = np.sqrt((moments[0, 1:] ** 2).sum(axis=0)) / moments[0, 0]
     picture = _solve(moments, right, (neighbours == 0) & ~(aside < ASIDE))
     return grid.map(np.clip(picture, *room) if room else picture)
+
+
+def grains_of(snapshot, values: np.ndarray, pixels: int, axis: int, at: float | None) -> Map:
+    """Spheres of the field Radius, in 3-D those that the plane normal to `axis` through `at` cuts: each has its own value."""
+    places, radius = snapshot["Coordinates"], snapshot["Radius"]
+    height = np.zeros(len(places))
+    if snapshot.dimension == 3:
+        height = places[:, axis] - (snapshot.lengths[axis] / 2 if at is None else at)
+    cut = np.abs(height) < radius
+    grid = _Grid(snapshot, _across(snapshot.dimension, axis), pixels, radius / REACH)
+    picture = np.full(grid.count, np.nan)
+    for pixel, which, _, _ in grid.pairs(places[cut], radius[cut] / REACH, height[cut] * REACH / radius[cut]):
+        picture[pixel] = values[cut][which]
+    return dataclasses.replace(grid.map(picture), sharp=True)
 
 
 def _room(values: np.ndarray, mirrors: tuple[Mirror, ...]) -> tuple[float, float] | None:

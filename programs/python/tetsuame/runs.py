@@ -73,7 +73,9 @@ class Snapshot:
         if not self.particles:
             raise Damaged(f"{self.path}: holds no particle")
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            if "Volume" in self.names:
+            if "Radius" in self.names:
+                spacing = 2 * self["Radius"]
+            elif "Volume" in self.names:
                 spacing = np.abs(self["Volume"]) ** (1 / self.dimension)
             elif "Masses" in self.names and "Density" in self.names:
                 spacing = np.abs(self["Masses"] / self["Density"]) ** (1 / self.dimension)
@@ -86,6 +88,8 @@ class Snapshot:
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
         def rendered(values):
+            if "Radius" in self:
+                return rendering.grains_of(self, values, pixels, axis, at)
             return rendering.slice_of(self, values, pixels, axis, at, self.mirrors if name == "Temperature" else ())
 
         if name != "Material":

@@ -18,13 +18,13 @@ from pathlib import Path
 
 from .. import OUTPUT, ROOT, pages, writing
 from ..reading import beside
-from . import (balance_study, conduction, continuity_of_y, convection, flow, godunov_in_earnest, gravity_density, hydrostatic, letters, orders,
+from . import (balance_study, conduction, continuity_of_y, convection, flow, godunov_in_earnest, granular, gravity_density, hydrostatic, letters, orders,
                precision, relaxation_map, rti, runner, shock, slides_convection, slowed_overturn, table, time_stepping)
 from .outcomes import COMPLETED, CRASHED, Outcome
 
 SUBJECTS = {module.NAME: module for module in (
     hydrostatic, conduction, convection, shock, rti, continuity_of_y, slowed_overturn, gravity_density, relaxation_map, slides_convection,
-    time_stepping, balance_study, godunov_in_earnest, flow, precision)}
+    time_stepping, balance_study, godunov_in_earnest, flow, precision, granular)}
 
 
 def options(name: str, subject) -> argparse.ArgumentParser:
