@@ -160,6 +160,29 @@ class Granular(Case):
             else:
                 self.near(m_["restitution_normal"], math.sqrt(1.0 - 1.0 / part**2), 1e-2)
 
+    def test_sizes(self):
+        """Spheres of sizes 1 : 10 in a periodic plane, elastic but for friction: momentum stays to rounding, and energy never rises."""
+        path = self.here / "sizes.nml"
+        path.write_text("""&domain length_x = 0.06  length_y = 0.06  periodic_x = T  periodic_y = T /
+&gravity g = 0 /
+&material density = 2500  young_modulus = 1e7  restitution = 1  friction = 0.5 /
+&packing radius = 0.005  high_x = 0.06  high_y = 0.03  spacing = 1.2  random_velocity = 0.3 /
+&packing radius = 0.0005  low_y = 0.031  high_y = 0.06  spacing = 1.5  jitter = 1  random_velocity = 0.5 /
+&time t_end = 0.05 /
+&output history_interval = 50 /
+""")
+        names, rows = self.run_program("granular", path, {}, "sizes").rows()
+        names = [name.split(" ")[0] for name in names]
+        column = lambda name: [float(row[names.index(name)]) for row in rows]  # noqa: E731
+        scale = 4.0 / 3.0 * math.pi * 0.005**3 * 2500.0 * 0.3
+        for axis in "xy":
+            p = column(f"momentum_{axis}")
+            self.assertLess(max(p) - min(p), 1e-12 * scale)
+        energy = [sum(parts) for parts in zip(*(column(f"{kind}_energy") for kind in ("kinetic", "rotational", "elastic")))]
+        self.assertLess(energy[-1], 0.95 * energy[0])
+        self.assertLess(max(b - a for a, b in zip(energy, energy[1:])), 2e-5 * energy[0])
+        self.assertGreater(max(column("contacts")), 5)
+
     def test_ranks_and_restart(self):
         """Sizes, two materials, a periodic slope: the same bits on any ranks and threads, over an interruption that other ranks go on from."""
         path = self.here / "bed.nml"

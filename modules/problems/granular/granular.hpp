@@ -73,7 +73,8 @@ class problem : public run::particle_simulation<D> {
   std::vector<output::history_column> measured_columns() const override {
     return {{"kinetic_energy", "J"}, {"rotational_energy", "J"}, {"potential_energy", "J"}, {"elastic_energy", "J"},
             {"speed_max", "m/s"},    {"contacts", "1"},          {"overlap_max", "1"},      {"centre_x", "m"},
-            {"centre_y", "m"},       {"mass_below", "kg"}};
+            {"centre_y", "m"},       {"mass_below", "kg"},       {"momentum_x", "kg m/s"},  {"momentum_y", "kg m/s"},
+            {"momentum_z", "kg m/s"}};
   }
   std::vector<double> measure(double t) override {
     const auto& s = world_.w.s;
@@ -91,6 +92,9 @@ class problem : public run::particle_simulation<D> {
           add(0.5 * s.m[i] * v2, 0.2 * s.m[i] * radius_[i] * radius_[i] * w2, s.m[i] * height, s.m[i],
               s.m[i] * s.x[0][i], s.m[i] * s.x[1][i], s.x[1][i] < o_.flux_height ? s.m[i] : 0.0);
         });
+    const auto momentum = liquid::exact_sums<3>(world_, [&](std::size_t i, const auto& add) {
+      add(s.m[i] * s.v[0][i], s.m[i] * s.v[1][i], D == 3 ? s.m[i] * s.v[D - 1][i] : 0.0);
+    });
     fastest_ = ranks.maximum(run::largest_speed(world_));
     discharge_.add(t, below);
     if (walls_.gate && !walls_.opened && fastest_ < walls_.gate->at_rest && t > fall_time(walls_.gate->at_rest)) {
@@ -108,7 +112,10 @@ class problem : public run::particle_simulation<D> {
             ranks.maximum(fullest_),
             mx / mass,
             my / mass,
-            o_.flux_height > 0.0 ? below : 0.0};
+            o_.flux_height > 0.0 ? below : 0.0,
+            momentum[0],
+            momentum[1],
+            momentum[2]};
   }
   bool steady() const override {
     const bool may = (!walls_.gate || walls_.opened) && world_.state_time > may_rest_from_;
