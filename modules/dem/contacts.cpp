@@ -6,7 +6,12 @@
 namespace tetsuame::dem {
 
 template <int D>
-void contacts<D>::remember(const particles::particles<D>& s, const particles::partners& history) {
+void contacts<D>::remember(const particles::particles<D>& s, const double* radius, const particles::partners& history) {
+  light_.resize(s.fluid);
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    const double light = 1.0 / s.m[i];
+    light_[i] = {light, 2.5 * light / (radius[i] * radius[i])};
+  });
   kept_.slot.assign(pairs(), none);
   kept_.memory.clear();
   for (std::size_t p = 0; p < pairs(); ++p) {
@@ -338,7 +343,8 @@ void contacts<D>::gather(const grain_fields<D>& f) const {
       if (const auto c = now_.slot[row_[k] >> 1]; c != none) add(c, (row_[k] & 1U) != 0 ? -1.0 : 1.0);
     for (std::size_t p = wall_start_[i]; p < wall_start_[i + 1]; ++p)
       if (const auto c = now_.slot[p]; c != none) add(c, 1.0);
-    const double R = places_[i].R, light = 1.0 / motions_[i].m, easy = 2.5 * light / (R * R);
+    const double R = places_[i].R;
+    const auto [light, easy] = light_[i];
     for (std::size_t a = 0; a < D; ++a) f.acceleration[a][i] = light * force[a] + f.gravity[a];
     for (std::size_t a = 0; a < turns<D>; ++a) f.spin_rate[a][i] = easy * (rolling[a] - R * turning[a]);
   }

@@ -78,7 +78,7 @@ class contacts {
     find_walls(s, radius, skin, t);
   }
   // Then: what these kept. history: of the owned grains.
-  void remember(const particles::particles<D>& s, const particles::partners& history);
+  void remember(const particles::particles<D>& s, const double* radius, const particles::partners& history);
   // Before new lists: what contacts keep, into rows of the owned grains.
   void keep(const particles::particles<D>& s, particles::partners& history) const;
 
@@ -180,6 +180,7 @@ class contacts {
   std::size_t owned_ = 0;
   std::vector<place> places_;
   std::vector<motion> motions_;
+  std::vector<std::array<double, 2>> light_;                // 1/kg, 1/(kg m2): 1/m and 5/(2 m R²) of the owned
   std::vector<solids::point<D>> shifts_;                    // m, of ghosts
   std::vector<typename wall_set<D>::meeting> wall_places_;  // of each pair with a wall
   std::vector<std::uint32_t> touching_pairs_;               // of the last evaluation

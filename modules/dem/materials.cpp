@@ -49,6 +49,12 @@ contact_table::contact_table(const contact_rules& of, std::vector<material> all,
     }
 }
 
+double contact_table::largest_damping() const {
+  double most = 0.0;
+  for (const auto& c : pairs_) most = std::max(most, c.damping);
+  return most;
+}
+
 double contact_table::farthest_drawn(double radius) const {
   double most = 0.0;
   for (const auto& c : pairs_) most = std::max(most, drawn_apart(c, radius));

@@ -64,6 +64,7 @@ class contact_table {
 
   const pair_constants& of(std::size_t a, std::size_t b) const { return pairs_[a * materials.size() + b]; }
   bool adheres() const { return adheres_; }
+  double largest_damping() const;  // 1, α
   // m, the farthest that surfaces of grains no larger than this are drawn apart before a contact breaks.
   double farthest_drawn(double radius) const;
 

@@ -188,7 +188,7 @@ class Granular(Case):
         path = self.here / "bed.nml"
         path.write_text(BED)
         whole = self.assert_exact("granular", path, {"time.steps": 2500}, 1300, [(2, 1), (3, 2)])
-        self.assertGreater(whole["metrics"]["contacts"], 100)
+        self.assertGreater(whole["metrics"]["contacts"], 50)
 
     def test_energy_is_not_created(self):
         """Grains that fall into a box: the sum of all energies never rises by more than the steps' error, and the bed comes to rest."""
@@ -197,10 +197,10 @@ class Granular(Case):
 &material name = 'a'  density = 2500  young_modulus = 1e6  restitution = 0.5  friction = 0.4  rolling_friction = 0.05 /
 &granular rolling = 'spring' /
 &packing radius = 0.0005  high_y = 0.01  spacing = 1.1  jitter = 1  random_velocity = 0.1 /
-&time t_end = 0.6 /
-&output history_interval = 20 /
+&time t_end = 1 /
+&output history_interval = 50 /
 """)
-        result = self.run_program("granular", path, {"time.steps": 1000000} if SLOW else {}, "fall")
+        result = self.run_program("granular", path, {"time.t_end": 25, "output.history_interval": 10000} if SLOW else {}, "fall")
         names, rows = result.rows()
         names = [name.split(" ")[0] for name in names]
         energy = [sum(float(row[names.index(f"{kind}_energy")]) for kind in ("kinetic", "rotational", "potential", "elastic")) for row in rows]
@@ -208,7 +208,9 @@ class Granular(Case):
         self.assertGreater(lost, 0.0)
         self.assertLess(max(b - a for a, b in zip(energy, energy[1:])), 1e-4 * lost)
         kinetic = [float(row[names.index("kinetic_energy")]) for row in rows]
-        self.assertLess(kinetic[-1], 1e-6 * max(kinetic))
+        self.assertLess(kinetic[-2], 1e-18 * max(kinetic))  # the last step is shorter than the others
+        potential = [float(row[names.index("potential_energy")]) for row in rows]
+        self.assertLess(abs(potential[-1] - potential[-len(potential) // 8]), 1e-10 * lost)
 
     def test_column(self):
         """A small column: it is let down, the gate opens, all comes to rest; nothing is lost, and rough grains stay nearer."""

@@ -217,7 +217,7 @@ class problem : public run::particle_simulation<D> {
                                world_.skin + 2.0 * drawn_, world_.list_time);
         });
     particles::clear_derived(s);
-    contacts_.remember(s, history_);
+    contacts_.remember(s, radius_.data(), history_);
     if (std::exchange(is_start_, false) && !as_they_were) check_start();
   }
 
