@@ -3,7 +3,7 @@
 import math
 import unittest
 
-from running import BAD_INPUT, SLOW, Case
+from running import BAD_INPUT, SLOW, Case, outcome
 
 BED = """&domain dimension = 3  length_x = 0.012  length_y = 0.02  length_z = 0.012  periodic_x = T  periodic_z = T /
 &granular rolling = 'spring' /
@@ -226,6 +226,28 @@ class Granular(Case):
         slippery, rough = ends
         self.assertGreater(slippery["run_out"], rough["run_out"] + 0.002)
         self.assertGreater(rough["repose_angle"], max(5.0, slippery["repose_angle"] or 0.0))
+
+    def test_grains_leave(self):
+        """Through an open floor all grains leave, at any number of ranks; the rate of discharge counts them."""
+        path = self.here / "hole.nml"
+        path.write_text("""&domain length_x = 0.02  length_y = 0.03 /
+&granular flux_height = 0.005 /
+&material density = 2500  young_modulus = 1e6  restitution = 0.5  friction = 0.3 /
+&walls bottom = 'open' /
+&packing radius = 0.0005  low_y = 0.01  high_y = 0.02  spacing = 1.05 /
+&time t_end = 0.2 /
+&output history_interval = 20 /
+""")
+        whole = self.run_program("granular", path, {}, "whole")
+        m = whole.summary["metrics"]
+        self.assertEqual((m["particles_left"], m["particles_lost"]), (171, 0))
+        fallen = float(whole.rows()[1][-1][12])
+        self.near(fallen, 171 * 4.0 / 3.0 * math.pi * 0.0005**3 * 2500, 1e-12)
+        half = {"time.t_end": 0.055}
+        alone = self.run_program("granular", path, half, "alone").summary
+        self.assertGreater(alone["metrics"]["particles_left"], 20)
+        self.assertLess(alone["metrics"]["particles_left"], 171)
+        self.assertEqual(outcome(self.run_program("granular", path, half, "three", ranks=3).summary), outcome(alone))
 
     def test_refusals(self):
         grain = "&domain length_x = 1 length_y = 1 /\n&material density = 2500 young_modulus = 1e7 /\n"

@@ -38,6 +38,28 @@ class problem : public run::particle_simulation<D> {
   void sum_rates(std::span<double* const> rate) override { evaluation_.run(rate); }
   integrators::step_limit largest_step() override { return {*o_.common.time.cfl * o_.step_limit, o_.step_limit_is}; }
 
+  // Grains that are out of an open side by a radius leave the run.
+  bool let_particles_pass() override {
+    auto& s = world_.w.s;
+    std::vector<std::uint32_t> stay;
+    foundation::exact_sum below;
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (!is_out(i)) {
+        stay.push_back(static_cast<std::uint32_t>(i));
+      } else if (s.x[1][i] < o_.flux_height) {
+        below.add(s.m[i]);
+      }
+    const std::int64_t gone = ranks.sum(static_cast<std::int64_t>(s.fluid - stay.size()));
+    if (gone == 0) return false;
+    left_ += gone;
+    mass_left_below_ += ranks.exact(below);
+    contacts_.keep(s, history_);
+    has_lists_ = false;  // what contacts keep is with the grains
+    particles::reorder(s, 0, std::span<const std::uint32_t>(stay));
+    history_.reorder(stay);
+    particles::allocate(s, stay.size(), 0, 0, 0);
+    return true;
+  }
   bool set_time(double t) override {
     kept_at_ = t;
     return false;
@@ -96,7 +118,8 @@ class problem : public run::particle_simulation<D> {
       add(s.m[i] * s.v[0][i], s.m[i] * s.v[1][i], D == 3 ? s.m[i] * s.v[D - 1][i] : 0.0);
     });
     fastest_ = ranks.maximum(run::largest_speed(world_));
-    discharge_.add(t, below);
+    const double fallen = below + mass_left_below_;
+    discharge_.add(t, fallen);
     if (walls_.gate && !walls_.opened && fastest_ < walls_.gate->at_rest && t > fall_time(walls_.gate->at_rest)) {
       walls_.opened = t;
       double top = 0.0;
@@ -110,9 +133,9 @@ class problem : public run::particle_simulation<D> {
             fastest_,
             ranks.exact(contacts),
             ranks.maximum(fullest_),
-            mx / mass,
-            my / mass,
-            o_.flux_height > 0.0 ? below : 0.0,
+            mass > 0.0 ? mx / mass : 0.0,
+            mass > 0.0 ? my / mass : 0.0,
+            o_.flux_height > 0.0 ? fallen : 0.0,
             momentum[0],
             momentum[1],
             momentum[2]};
@@ -155,6 +178,7 @@ class problem : public run::particle_simulation<D> {
     contacts_.add_energy(world_.w.s, contacts, elastic);
     m["contacts"] = ranks.exact(contacts);
     m["particles_lost"] = lost();
+    m["particles_left"] = left_;
     m["step_over_limit"] = o_.common.time.dt.value_or(*o_.common.time.cfl * o_.step_limit) / o_.step_limit;
     record_.report(ranks, m);
     report_impact(m);
@@ -167,6 +191,8 @@ class problem : public run::particle_simulation<D> {
     base::save_globals(g);
     record_.save(ranks, g);
     discharge_.save(g);
+    g.integers["grains_left"] = left_;
+    g.reals["mass_left_below"] = mass_left_below_;
     g.reals["fastest"] = fastest_;
     g.reals["may_rest_from"] = may_rest_from_;
     if (walls_.opened) g.reals["gate_opened"] = *walls_.opened;
@@ -175,6 +201,8 @@ class problem : public run::particle_simulation<D> {
     base::restore_globals(g);
     record_.restore(g);
     discharge_.restore(g);
+    left_ = g.integers.at("grains_left");
+    mass_left_below_ = g.reals.at("mass_left_below");
     fastest_ = g.reals.at("fastest");
     may_rest_from_ = g.reals.at("may_rest_from");
     if (g.reals.contains("gate_opened")) walls_.opened = g.reals.at("gate_opened");
@@ -375,18 +403,28 @@ class problem : public run::particle_simulation<D> {
   }
   // ---- what is told at the end --------------------------------------------------------------
 
-  std::int64_t lost() const {
-    const auto& s = world_.w.s;
+  // m, by which the centre of grain i is out of the box at the sides that this chooses; below 0: inside.
+  template <class Chosen>
+  double out(std::size_t i, const Chosen& chosen) const {
     const auto& region = world_.w.d.region;
-    std::int64_t n = world_.fluid_total - ranks.sum(static_cast<std::int64_t>(s.fluid));
-    std::int64_t out = 0;
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      bool outside = false;
-      for (std::size_t a = 0; a < D; ++a)
-        outside = outside || (!region.periodic[a] && (s.x[a][i] < 0.0 || s.x[a][i] > region.length[a]));
-      out += outside ? 1 : 0;
+    double farthest = -std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < D; ++a) {
+      if (region.periodic[a]) continue;
+      const double x = world_.w.s.x[a][i];
+      if (chosen(o_.boundary[2 * a])) farthest = std::max(farthest, -x);
+      if (chosen(o_.boundary[2 * a + 1])) farthest = std::max(farthest, x - region.length[a]);
     }
-    return n + ranks.sum(out);
+    return farthest;
+  }
+  bool is_out(std::size_t i) const {
+    return out(i, [](const std::string& side) { return side == "open"; }) > radius_[i];
+  }
+  // Grains that have gone through a wall.
+  std::int64_t lost() const {
+    std::int64_t n = 0;
+    for (std::size_t i = 0; i < world_.w.s.fluid; ++i)
+      n += out(i, [](const std::string& side) { return side == "wall"; }) > 0.0 ? 1 : 0;
+    return ranks.sum(n);
   }
 
   // Of one grain, or two: speeds along and across the line of the contact, after over before.
@@ -460,8 +498,10 @@ class problem : public run::particle_simulation<D> {
   particles::partners history_{dem::contact_memory<D>::size};
   particles::pair_table pairs_;  // of the last checkpoint or hash
   bool has_lists_ = false, is_start_ = true;
-  double drawn_ = 0.0;    // m, by which a contact that adheres lasts longer than surfaces touch
-  double fullest_ = 0.0;  // of the last evaluation, in radii
+  std::int64_t left_ = 0;         // grains, through open sides, on all ranks
+  double mass_left_below_ = 0.0;  // kg, of these below flux_height
+  double drawn_ = 0.0;            // m, by which a contact that adheres lasts longer than surfaces touch
+  double fullest_ = 0.0;          // of the last evaluation, in radii
   double kept_at_ = 0.0, fastest_ = 0.0, may_rest_from_ = 0.0;  // s, of what contacts keep; m/s; s
   dem::contact_measures latest_;                                // of the last step
   contact_record record_;
