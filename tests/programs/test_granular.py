@@ -3,7 +3,7 @@
 import math
 import unittest
 
-from running import BAD_INPUT, SLOW, Case, outcome
+from running import BAD_INPUT, INPUTS, SLOW, Case, outcome
 
 BED = """&domain dimension = 3  length_x = 0.012  length_y = 0.02  length_z = 0.012  periodic_x = T  periodic_z = T /
 &granular rolling = 'spring' /
@@ -75,6 +75,13 @@ class Granular(Case):
 
     def near(self, value, expected, part):
         self.assertLessEqual(abs(value - expected), part * abs(expected), f"{value} for {expected}")
+
+    def test_shipped_inputs(self):
+        """All that are this program's begin."""
+        own = [path for path in sorted(INPUTS.glob("*.nml")) if "&grain" in path.read_text() or "&packing" in path.read_text()]
+        self.assertGreater(len(own), 11)
+        for path in own:
+            self.run_program("granular", path, {"time.steps": 2, "output.interval": 0}, path.stem)
 
     def test_head_on(self):
         """Chung & Ooi 1 and 2: Hertz's overlap, force and time."""
