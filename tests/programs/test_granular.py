@@ -268,7 +268,7 @@ class Granular(Case):
                            ("&grain radius = 0.1 x = 0.5 y = 0.5 /\n&solids body = 'ball' shape = 'sphere' radius = 0.3 centre_x = 0.5 centre_y = 0.5 /",
                             "is inside of body 'ball'"),
                            ("&grain radius = 0.1 x = 0.5 y = 0.5 /\n&gate body = 'door' /", "there is no body 'door'"),
-                           ("", "there are no grains")]:
+                           ("&packing radius = 2 /", "there are no grains")]:
             with self.subTest(said):
                 path = self.here / "wrong.nml"
                 path.write_text(grain + text + "\n")

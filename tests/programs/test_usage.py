@@ -289,15 +289,15 @@ class Describe(Case):
                 self.assertEqual(checked.status, COMPLETED, checked)
 
     def test_at_most_sixty_keys_before_expert(self):
-        """Without the pieces of bodies, the regions of a start, layers of planets, further materials of layers, sources, inflows and outflows and the points of gauges, of which a run
+        """Without the pieces of bodies, the regions of a start, layers of planets, further materials, grains and packings, sources, inflows and outflows and the points of gauges, of which a run
         without them has none."""
-        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock", "planet", "flow"]]
+        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock", "planet", "flow", "granular"]]
         asked += [("disph_c", INPUTS / f"{name}.nml") for name in ("rti_linear", "drop_cylinder", "conduction_plate", "pond_on_mantle")]
         for words in asked:
             with self.subTest(words=words):
                 ordinary = self.call(*words, "--describe").stdout.split("&expert\n")[0]
-                ordinary = re.sub(r"^&(solids|motions|region|constants|sources|inflow|outflow|layer)\n.*?^/\n", "", ordinary, flags=re.MULTILINE | re.DOTALL)
-                if re.search("^&(rti|drop)$", ordinary, re.MULTILINE):  # others have one &material
+                ordinary = re.sub(r"^&(solids|motions|region|constants|sources|inflow|outflow|layer|grain|packing|pair)\n.*?^/\n", "", ordinary, flags=re.MULTILINE | re.DOTALL)
+                if re.search("^&(rti|drop|granular)$", ordinary, re.MULTILINE):  # others have one &material
                     ordinary = re.sub(r"^&material\n.*?^/\n", "", ordinary, flags=re.MULTILINE | re.DOTALL)
                 ordinary = re.sub(r"^ *point(_\w+)? =.*\n", "", ordinary, flags=re.MULTILINE)
                 keys = [line for line in ordinary.splitlines() if " =" in line and not line.lstrip().startswith("!")]

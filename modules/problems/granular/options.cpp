@@ -28,8 +28,8 @@ void declare_materials(namelist::schema& schema, options& o) {
   auto& m = o.materials_given;
   schema.group("material", "of grains and walls; may stand several times");
   schema.add("material", "name", m.name, list({.meaning = "of the material"}));
-  schema.add("material", "density", m.density, list(positive("kg/m^3", "of a grain")));
-  schema.add("material", "young_modulus", m.young_modulus, list(positive("Pa", "of Hertz's contact")));
+  schema.add("material", "density", m.density, list(positive("kg/m^3", "of a grain; not given: 2500")));
+  schema.add("material", "young_modulus", m.young_modulus, list(positive("Pa", "of Hertz's contact; not given: 1e7")));
   schema.add("material", "poisson_ratio", m.poisson_ratio, list(between(0.0, 0.5, "not given: 0.25")));
   schema.add("material", "restitution", m.restitution,
              list(between(0.01, 1.0,
@@ -71,7 +71,9 @@ void declare_grains(namelist::schema& schema, options& o) {
     schema.add("grain", along("spin", a), g.spin[a],
                single({.unit = "1/s", .meaning = a < 2 ? "angular velocity (3-D only)" : "angular velocity"}));
   auto& p = o.packings_given;
-  schema.group("packing", "a part of the box that is filled with grains on a lattice; may stand several times");
+  schema.group("packing",
+               "a part of the box that is filled with grains on a lattice; may stand several times. Not given: none "
+               "beside &grain, or else all of the box");
   schema.add("packing", "material", p.material, packed({.meaning = "by name; not given: the first one"}));
   schema.add("packing", "radius", p.radius, packed(positive("m", "of the spheres")));
   schema.add("packing", "radius_max", p.radius_max,
@@ -122,7 +124,6 @@ std::size_t find(const namelist::schema& schema, const options& o, const char* g
 
 std::vector<dem::material> materials_of(const namelist::schema& schema, const options& o) {
   const auto& m = o.materials_given;
-  const bool hertz = o.contact == "hertz_mindlin";
   std::vector<dem::material> all(
       std::max<std::size_t>(1, longest(m.name, m.density, m.young_modulus, m.poisson_ratio, m.restitution, m.friction,
                                        m.rolling_friction, m.adhesion)));
@@ -135,9 +136,6 @@ std::vector<dem::material> materials_of(const namelist::schema& schema, const op
     const auto take = [&](const std::vector<double>& given, double& value) {
       value = element_of(given, n).value_or(value);
     };
-    if (!element_of(m.density, n)) schema.fail("material", "density", "must be given of each material");
-    if (hertz && !element_of(m.young_modulus, n))
-      schema.fail("material", "young_modulus", "contact = 'hertz_mindlin' needs it of each material");
     take(m.density, one.density);
     take(m.young_modulus, one.young_modulus);
     take(m.poisson_ratio, one.poisson_ratio);
@@ -224,7 +222,7 @@ void check_grains(const namelist::schema& schema, const options& o) {
         schema.fail("grain", axis_names[a], fmt::format("must be given of grain {}", n + 1));
   }
   const auto& p = o.packings_given;
-  for (std::size_t n = 0; n < longest(p.material, p.radius, p.low[0], p.low[1], p.low[2]); ++n) {
+  for (std::size_t n = 0; o.fills && n < longest(p.material, p.radius, p.low[0], p.low[1], p.low[2]); ++n) {
     find(schema, o, "packing", "material", n, element_of(p.material, n));
     if (!element_of(p.radius, n)) schema.fail("packing", "radius", fmt::format("must be given of packing {}", n + 1));
     if (element_of(p.radius_max, n).value_or(p.radius[n]) < p.radius[n])
@@ -267,6 +265,7 @@ void find_step_limit(options& o) {
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
+  o.packings_given.radius = {0.02};  // counts where the input has no &grain
   o.common.time.method = "kdk";
   o.common.time.cfl = 0.2;
   o.common.time.t_end = 1.0;
@@ -334,6 +333,9 @@ void resolve(const namelist::schema& schema, options& o) {
   for (std::size_t n = 0; n < 2 * o.domain.axes(); ++n)
     if (o.domain.periodic[n / 2] && schema.changed("walls", side_names[n]))
       schema.fail("walls", side_names[n], fmt::format("the box is periodic along {}", axis_names[n / 2]));
+  const auto& g = o.grains_given;
+  const bool has_singles = longest(g.material, g.radius, g.place[0], g.place[1], g.place[2]) > 0;
+  o.fills = !has_singles || schema.changed("packing", "radius");
   check_grains(schema, o);
   find_step_limit(o);
   const double diameter = 2.0 * o.largest_radius;

@@ -43,6 +43,7 @@ struct options {
   double rest_speed = 0.0;      // m/s; 0: the run goes on to its end
   double flux_height = 0.0;     // m; 0: nothing is counted
   std::int64_t seed = 0;
+  bool fills = true;  // there are packings
   material_lists materials_given;
   pair_lists pairs_given;
   grain_lists grains_given;

@@ -22,7 +22,7 @@ std::size_t singles(const options& o) {
 }
 std::size_t packings(const options& o) {
   const auto& p = o.packings_given;
-  return longest(p.material, p.radius, p.low[0], p.low[1], p.low[2]);
+  return !o.fills ? 0 : longest(p.material, p.radius, p.low[0], p.low[1], p.low[2]);
 }
 
 // Of one packing: a cubic lattice of cells that the largest grain fits in.
