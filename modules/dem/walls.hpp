@@ -1,6 +1,7 @@
 // What grains meet beside each other: plane sides of the box, and bodies of any shape that stand or move.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <domain/decomposition.hpp>
 #include <optional>
@@ -23,6 +24,7 @@ struct gate {
   std::size_t body = 0;
   solids::point<D> velocity = foundation::zero<double, D>();  // m/s, once it is open
   double at_rest = 0.0;                                       // m/s, of the fastest grain
+  double seconds = 0.0;                                       // s, for which it moves
 };
 
 template <int D>
@@ -79,12 +81,13 @@ struct wall_set {
   }
   solids::pose<D> pose_of(std::size_t b, double t) const {
     auto now = motions[b].at(t);
-    if (gate && gate->body == b && opened) now.shift += std::fmax(0.0, t - *opened) * gate->velocity;
+    if (gate && gate->body == b && opened) now.shift += std::clamp(t - *opened, 0.0, gate->seconds) * gate->velocity;
     return now;
   }
   solids::rate<D> rate_of(std::size_t b, double t) const {
     auto now = motions[b].rate_at(t);
-    if (gate && gate->body == b && opened && t >= *opened) now.velocity += gate->velocity;
+    if (gate && gate->body == b && opened && t >= *opened && t < *opened + gate->seconds)
+      now.velocity += gate->velocity;
     return now;
   }
 };

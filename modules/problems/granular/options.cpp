@@ -108,6 +108,8 @@ void declare_walls(namelist::schema& schema, options& o) {
   schema.add("gate", "body", o.gate_body, {.meaning = "name of a body of &solids; not given: there is no gate"});
   for (std::size_t a = 0; a < 3; ++a)
     schema.add("gate", along("velocity", a), o.gate_velocity[a], {.unit = "m/s", .meaning = "once it is open"});
+  schema.add("gate", "distance", o.gate_distance,
+             positive("m", "it stops after so far; not given: the sum of the box's edges"));
   schema.add("gate", "rest_speed", o.gate_rest, positive("m/s", "it opens when no grain is faster"));
 }
 
@@ -207,6 +209,9 @@ dem::wall_set<D> walls_of(const namelist::schema& schema, const options& o) {
   for (std::size_t a = 0; a < D; ++a) gate.velocity[a] = o.gate_velocity[a];
   if (!(solids::norm<D>(gate.velocity) > 0.0))
     schema.fail("gate", "velocity_y", "the gate stands still: give it a velocity");
+  double far = o.gate_distance.value_or(0.0);
+  for (std::size_t a = 0; a < D && !o.gate_distance; ++a) far += o.domain.length[a];
+  gate.seconds = far / solids::norm<D>(gate.velocity);
   all.gate = gate;
   return all;
 }
@@ -351,7 +356,7 @@ void resolve(const namelist::schema& schema, options& o) {
   else
     o.deep = walls_of<3>(schema, o);
   if (o.gate_body.empty())
-    namelist::refuse(schema, "gate", {"velocity_x", "velocity_y", "velocity_z", "rest_speed"},
+    namelist::refuse(schema, "gate", {"velocity_x", "velocity_y", "velocity_z", "distance", "rest_speed"},
                      "there is no gate: body is not given");
   if (o.common.time.dt && *o.common.time.dt > o.step_limit)
     schema.fail("time", "dt",

@@ -55,6 +55,7 @@ struct options {
   std::string gate_body;
   std::array<double, 3> gate_velocity{};  // m/s
   double gate_rest = 0.05;                // m/s
+  std::optional<double> gate_distance;    // m
   run::common_options common;
 
   // Resolved.
