@@ -243,8 +243,7 @@ void check_grains(const namelist::schema& schema, const options& o) {
 }
 
 // Of Rayleigh's wave; of springs a quarter of the shortest contact. Dashpots take velocities that lag behind their own
-// forces: a bed comes to rest (kinetic energy 1e-32 of 1e-6 J) with steps up to some 0.07/α of either, found for α from
-// 0.5 to 2.
+// forces: a bed comes to rest with steps up to some 0.08/α of either (docs/studies/2026-11-29_grains.md).
 void find_step_limit(options& o) {
   o.step_limit = std::numeric_limits<double>::infinity();
   double lightest = o.step_limit;
