@@ -59,8 +59,8 @@ class Page(unittest.TestCase):
                 self.assertAlmostEqual(one["measured"][name] / value, 1.01, 12)
 
     def test_time(self):
-        """Unless asked for large columns, all that is run takes less than five minutes on one core."""
-        self.assertLess(sum(run.seconds for run in self.runs()), 300)
+        """Unless asked for large columns, all that is run takes less than ten minutes on one core."""
+        self.assertLess(sum(run.seconds for run in self.runs()), 600)
 
 
 if __name__ == "__main__":

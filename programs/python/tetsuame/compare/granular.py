@@ -69,7 +69,7 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
         for seed in range(1, seeds + 1):
             add("column_2d", "column", f"friction {sliding:g}, rolling {rolling:g}, seed {seed}",
                 {**small, "granular.seed": seed, "material.friction": f"{sliding},{sliding}", "pair.friction": sliding,
-                 "material.rolling_friction": f"{rolling},{rolling}", "output.interval": 0}, 4.0 if small else 240.0)
+                 "material.rolling_friction": f"{rolling},{rolling}", "output.interval": 0}, 11.0 if small else 500.0)
     return runs
 
 
