@@ -142,10 +142,7 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
               .may_change = true,
               .meaning = "error control: of a step, relative to each field's scale"});
   schema.add("time", "cfl", o.cfl,
-             {.minimum = 1e-9,
-              .stays_open = !o.cfl,
-              .may_change = true,
-              .meaning = of_problem.cfl_is});
+             {.minimum = 1e-9, .stays_open = !o.cfl, .may_change = true, .meaning = of_problem.cfl_is});
   if (of_problem.limits_diffusion)
     schema.add("time", "diffusive", o.diffusive,
                {.minimum = 1e-9,
