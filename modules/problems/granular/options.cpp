@@ -72,8 +72,8 @@ void declare_grains(namelist::schema& schema, options& o) {
                single({.unit = "1/s", .meaning = a < 2 ? "angular velocity (3-D only)" : "angular velocity"}));
   auto& p = o.packings_given;
   schema.group("packing",
-               "a part of the box that is filled with grains on a lattice; may stand several times. Not given: none "
-               "beside &grain, or else all of the box");
+               "a part of the box that is filled with grains on a lattice; may stand several times. With "
+               "neither it nor &grain the box is filled with radius = 0.02");
   schema.add("packing", "material", p.material, packed({.meaning = "by name; not given: the first one"}));
   schema.add("packing", "radius", p.radius, packed(positive("m", "of the spheres")));
   schema.add("packing", "radius_max", p.radius_max,
@@ -115,7 +115,7 @@ void declare_walls(namelist::schema& schema, options& o) {
 
 std::size_t find(const namelist::schema& schema, const options& o, const char* group, const char* key, std::size_t n,
                  const std::string& name) {
-  const auto& all = o.table.materials.empty() ? std::vector<dem::material>{} : o.table.materials;
+  const auto& all = o.table.materials;
   if (name.empty()) return 0;
   for (std::size_t k = 0; k < all.size(); ++k)
     if (all[k].name == name) return k;
@@ -191,7 +191,7 @@ dem::wall_set<D> walls_of(const namelist::schema& schema, const options& o) {
   dem::wall_set<D> all;
   for (std::size_t a = 0; a < D; ++a)
     for (std::size_t end = 0; end < 2; ++end)
-      if (!o.domain.periodic[a] && !o.domain.open[a] && o.boundary[2 * a + end] == "wall")
+      if (!o.domain.periodic[a] && o.boundary[2 * a + end] == "wall")
         all.sides.push_back({a, end == 0 ? 0.0 : o.domain.length[a], end == 0 ? 1.0 : -1.0});
   all.bodies = solids::make_bodies<D>(schema, o.solids);
   all.motions = solids::make_motions<D>(schema, o.motions, all.bodies);
@@ -218,8 +218,7 @@ dem::wall_set<D> walls_of(const namelist::schema& schema, const options& o) {
 
 void check_grains(const namelist::schema& schema, const options& o) {
   const auto& g = o.grains_given;
-  const std::size_t singles = longest(g.material, g.radius, g.place[0], g.place[1], g.place[2]);
-  for (std::size_t n = 0; n < singles; ++n) {
+  for (std::size_t n = 0; n < g.number(); ++n) {
     find(schema, o, "grain", "material", n, element_of(g.material, n));
     if (!element_of(g.radius, n)) schema.fail("grain", "radius", fmt::format("must be given of grain {}", n + 1));
     for (std::size_t a = 0; a < o.domain.axes(); ++a)
@@ -227,7 +226,7 @@ void check_grains(const namelist::schema& schema, const options& o) {
         schema.fail("grain", axis_names[a], fmt::format("must be given of grain {}", n + 1));
   }
   const auto& p = o.packings_given;
-  for (std::size_t n = 0; o.fills && n < longest(p.material, p.radius, p.low[0], p.low[1], p.low[2]); ++n) {
+  for (std::size_t n = 0; n < p.number(); ++n) {
     find(schema, o, "packing", "material", n, element_of(p.material, n));
     if (!element_of(p.radius, n)) schema.fail("packing", "radius", fmt::format("must be given of packing {}", n + 1));
     if (element_of(p.radius_max, n).value_or(p.radius[n]) < p.radius[n])
@@ -269,7 +268,6 @@ void find_step_limit(options& o) {
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
-  o.packings_given.radius = {0.02};  // counts where the input has no &grain
   o.common.time.method = "kdk";
   o.common.time.cfl = 0.2;
   o.common.time.t_end = 1.0;
@@ -337,9 +335,14 @@ void resolve(const namelist::schema& schema, options& o) {
   for (std::size_t n = 0; n < 2 * o.domain.axes(); ++n)
     if (o.domain.periodic[n / 2] && schema.changed("walls", side_names[n]))
       schema.fail("walls", side_names[n], fmt::format("the box is periodic along {}", axis_names[n / 2]));
-  const auto& g = o.grains_given;
-  const bool has_singles = longest(g.material, g.radius, g.place[0], g.place[1], g.place[2]) > 0;
-  o.fills = !has_singles || schema.changed("packing", "radius");
+  if (o.grains_given.number() + o.packings_given.number() == 0) o.packings_given.radius = {0.02};
+  if (o.domain.dimension == 2)
+    for (const auto& [group, keys] :
+         {std::pair<std::string, std::vector<std::string>>{"grain", {"z", "velocity_z", "spin_x", "spin_y"}},
+          {"packing", {"low_z", "high_z", "velocity_z"}},
+          {"walls", {"back", "front"}},
+          {"gate", {"velocity_z"}}})
+      namelist::refuse(schema, group, keys, "belongs to dimension = 3");
   check_grains(schema, o);
   find_step_limit(o);
   const double diameter = 2.0 * o.largest_radius;
@@ -362,7 +365,8 @@ void resolve(const namelist::schema& schema, options& o) {
                 fmt::format("expected at most {:.4g} s, the limit by {}: here dt is {:.3g} times that", o.step_limit,
                             o.step_limit_is, *o.common.time.dt / o.step_limit));
   if (*o.common.time.cfl > 1.0) schema.fail("time", "cfl", "expected at most 1, the limit by " + o.step_limit_is);
-  run::check_output(schema, o.common, o.domain, {"Radius", "Spin", "CoordinationNumber"});
+  run::check_output(schema, o.common, o.domain,
+                    {"Radius", o.domain.dimension == 2 ? "AngularVelocity" : "Spin", "CoordinationNumber"});
 }
 
 }  // namespace tetsuame::granular

@@ -4,7 +4,7 @@
 #include <dem/materials.hpp>
 #include <dem/walls.hpp>
 #include <domain/options.hpp>
-#include <namelist/schema.hpp>
+#include <namelist/lists.hpp>
 #include <run/options.hpp>
 #include <solids/options.hpp>
 
@@ -12,7 +12,6 @@ namespace tetsuame::granular {
 
 inline constexpr std::size_t most_materials = 16, most_grains = 4096, most_packings = 64;
 
-// Of a material that walls and bodies are made of, where the input names none: that of the first grain.
 struct material_lists {
   std::vector<std::string> name;
   std::vector<double> density, young_modulus, poisson_ratio, restitution, friction, rolling_friction, adhesion;
@@ -26,12 +25,18 @@ struct grain_lists {
   std::vector<std::string> material;
   std::vector<double> radius;
   std::array<std::vector<double>, 3> place, velocity, spin;
+
+  std::size_t number() const { return namelist::longest(material, radius, place[0], place[1], place[2]); }
 };
 // Boxes that are filled with grains on a lattice.
 struct packing_lists {
   std::vector<std::string> material;
   std::vector<double> radius, radius_max, spacing, jitter, random_velocity;
   std::array<std::vector<double>, 3> low, high, velocity;
+
+  std::size_t number() const {
+    return namelist::longest(material, radius, low[0], low[1], low[2], high[0], high[1], high[2]);
+  }
 };
 
 struct options {
@@ -43,7 +48,6 @@ struct options {
   double rest_speed = 0.0;      // m/s; 0: the run goes on to its end
   double flux_height = 0.0;     // m; 0: nothing is counted
   std::int64_t seed = 0;
-  bool fills = true;  // there are packings
   material_lists materials_given;
   pair_lists pairs_given;
   grain_lists grains_given;

@@ -1,28 +1,18 @@
 #include <cmath>
 #include <granular/options.hpp>
-#include <namelist/lists.hpp>
 #include <run/start.hpp>
 
 namespace tetsuame::granular {
 
 namespace {
 
-using namelist::element_of, namelist::longest;
+using namelist::element_of;
 
 std::int32_t material_of(const options& o, const std::string& name) {
   const auto& all = o.table.materials;
   for (std::size_t n = 0; n < all.size(); ++n)
     if (all[n].name == name) return static_cast<std::int32_t>(n);
   return 0;
-}
-
-std::size_t singles(const options& o) {
-  const auto& g = o.grains_given;
-  return longest(g.material, g.radius, g.place[0], g.place[1], g.place[2]);
-}
-std::size_t packings(const options& o) {
-  const auto& p = o.packings_given;
-  return !o.fills ? 0 : longest(p.material, p.radius, p.low[0], p.low[1], p.low[2]);
 }
 
 // Of one packing: a cubic lattice of cells that the largest grain fits in.
@@ -53,15 +43,15 @@ lattice lattice_of(const options& o, std::size_t n) {
 }  // namespace
 
 std::int64_t number_of_grains(const options& o) {
-  auto all = static_cast<std::int64_t>(singles(o));
-  for (std::size_t n = 0; n < packings(o); ++n) all += lattice_of(o, n).grains();
+  auto all = static_cast<std::int64_t>(o.grains_given.number());
+  for (std::size_t n = 0; n < o.packings_given.number(); ++n) all += lattice_of(o, n).grains();
   return all;
 }
 
 void for_each_grain(const options& o, const std::function<void(const grain&)>& f) {
   std::int64_t id = 0;
   const auto& g = o.grains_given;
-  for (std::size_t n = 0; n < singles(o); ++n) {
+  for (std::size_t n = 0; n < g.number(); ++n) {
     grain one;
     one.id = id++;
     one.material = material_of(o, element_of(g.material, n));
@@ -74,7 +64,7 @@ void for_each_grain(const options& o, const std::function<void(const grain&)>& f
     f(one);
   }
   const auto& p = o.packings_given;
-  for (std::size_t n = 0; n < packings(o); ++n) {
+  for (std::size_t n = 0; n < o.packings_given.number(); ++n) {
     const auto l = lattice_of(o, n);
     const double jitter = element_of(p.jitter, n).value_or(0.0),
                  random = element_of(p.random_velocity, n).value_or(0.0);
